@@ -1,0 +1,254 @@
+"""The recording file: everything a run took in and gave out, with the time of each.
+
+    file    = MAGIC record*
+    MAGIC   = 89 47 53 52 0D 0A 1A 0A       "GSR" in the frame PNG uses, so that a transfer in text mode shows at once
+    record  = stream u8 | time u64 | length u32 | payload | check u32          all little-endian
+
+`time` is in microseconds since the run began and never wraps. `check` is the CRC-32 (zlib) of everything in the record before it.
+The first record is the header, its payload a JSON object:
+
+    format     1
+    firmware   version of the firmware that ran
+    robot      the text of robot.json, unchanged
+    source     address of what was recorded: twin:z?width=550&seed=3, serial:/dev/ttyUSB0, ...
+    clock      whose time it is: "robot" (the firmware's own ticks; only such a recording can be replayed) or "host"
+    reasons    the English texts that a decision's `why` points into
+    notes      object; whatever else the writer wants known, by name
+
+The streams that follow, in order of time:
+
+    1 lidar       bytes as they arrived at the lidar's UART; the time is that of the last byte
+    2 registers   one I2C write: address u8, then the bytes written (register number first)
+    3 telemetry   bytes the robot sent, as `firmware/lib/telemetry.py` frames them
+    4 decision    one decision of the firmware, see `Decision`
+    5 pose        true pose of the body (twin only), see `Pose`
+    6 event       UTF-8 text: touched a wall, stopped by hand, lost the link, ...
+    7 command     bytes the robot received on its link
+    8 input       level of a pin or of the ADC changed: pin u8, value u16
+    255 end       the recording was closed properly; nothing follows
+
+Each record is one write, handed to the operating system before `write` returns: a process that dies loses nothing. A file cut
+anywhere is read up to the last whole record, and `Reader.cut` then says where it was cut.
+"""
+
+import json
+import os
+import struct
+import zlib
+from dataclasses import dataclass, field
+from enum import IntEnum
+from pathlib import Path
+from typing import Iterator, NamedTuple
+
+MAGIC = b"\x89GSR\r\n\x1a\n"
+FORMAT = 1
+LARGEST = 1 << 24  # bytes of payload; a longer length can only be damage
+
+_PREFIX = struct.Struct("<BQI")
+_CHECK = struct.Struct("<I")
+_INPUT = struct.Struct("<BH")
+
+
+class Stream(IntEnum):
+    """What a record carries."""
+
+    HEADER = 0
+    LIDAR = 1
+    REGISTERS = 2
+    TELEMETRY = 3
+    DECISION = 4
+    POSE = 5
+    EVENT = 6
+    COMMAND = 7
+    INPUT = 8
+    END = 255
+
+
+class RecordingError(Exception):
+    """The file cannot be written or is no recording; the text says what to do."""
+
+
+class Record(NamedTuple):
+    """One record: time in us since the run began, stream, payload."""
+
+    time_us: int
+    stream: int
+    data: bytes
+
+
+class Decision(NamedTuple):
+    """What `Avoid` decided, in the firmware's own units.
+
+    number: the firmware's counter of decisions. af, ar: 0.1 deg. v: 0..180. mode, window, zone, why: see firmware/lib/avoid.py.
+    free: mm. block_x, block_y: body frame, mm, 32767 when nothing blocks.
+    """
+
+    number: int
+    af: int
+    ar: int
+    v: int
+    mode: int
+    window: int
+    zone: int
+    free: int
+    block_x: int
+    block_y: int
+    why: int
+
+    def pack(self) -> bytes:
+        return _DECISION.pack(*self)
+
+    @classmethod
+    def unpack(cls, data: bytes) -> "Decision":
+        return cls(*_DECISION.unpack(data))
+
+
+class Pose(NamedTuple):
+    """True pose of the body's centre in the world: x, y in mm, heading in degrees clockwise from +y."""
+
+    x: float
+    y: float
+    heading: float
+
+    def pack(self) -> bytes:
+        return _POSE.pack(*self)
+
+    @classmethod
+    def unpack(cls, data: bytes) -> "Pose":
+        return cls(*_POSE.unpack(data))
+
+
+_DECISION = struct.Struct("<IhhBBBBhhhB")
+_POSE = struct.Struct("<ddd")
+
+
+@dataclass(frozen=True)
+class Header:
+    """What holds for the whole recording; the fields are those of the header record (module docstring)."""
+
+    firmware: str
+    robot: str
+    source: str
+    clock: str = "robot"
+    reasons: tuple[str, ...] = ()
+    notes: dict = field(default_factory=dict)
+
+    def pack(self) -> bytes:
+        fields = {**vars(self), "reasons": list(self.reasons)}
+        return json.dumps({"format": FORMAT, **fields}, ensure_ascii=False).encode()
+
+    @classmethod
+    def unpack(cls, data: bytes) -> "Header":
+        fields = json.loads(data)
+        version = fields.pop("format")
+        if version != FORMAT:
+            raise RecordingError(f"recording format {version}, this version reads {FORMAT}: use the Gapseeker that recorded it")
+        return cls(**{**fields, "reasons": tuple(fields["reasons"])})
+
+
+class Writer:
+    """Writes a new recording; a context manager.
+
+    Raises RecordingError if the file exists (a recording is never overwritten) or its folder cannot be made.
+    """
+
+    def __init__(self, path: str | Path, header: Header):
+        self.path = Path(path)
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = open(self.path, "xb")
+        except FileExistsError:
+            raise RecordingError(f"{path} exists already: give another name, or remove it first") from None
+        except OSError as error:
+            raise RecordingError(f"cannot record into {path}: {error.strerror}; choose a folder you may write to") from None
+        self._file.write(MAGIC)
+        self._last_us = 0
+        self.write(Stream.HEADER, 0, header.pack())
+
+    def write(self, stream: int, time_us: int, data: bytes) -> None:
+        """Append one record; time_us >= 0. It is with the operating system when this returns."""
+        self._last_us = max(self._last_us, time_us)
+        body = _PREFIX.pack(stream, time_us, len(data)) + data
+        self._file.write(body + _CHECK.pack(zlib.crc32(body)))
+        self._file.flush()
+
+    def event(self, time_us: int, text: str) -> None:
+        """Append a remark in words."""
+        self.write(Stream.EVENT, time_us, text.encode())
+
+    def input(self, time_us: int, pin: int, value: int) -> None:
+        """Append a change of an input: pin number, level 0/1 or 16-bit ADC reading."""
+        self.write(Stream.INPUT, time_us, _INPUT.pack(pin, value))
+
+    def close(self) -> None:
+        """Mark the end and see that it is on the disk. Calling it again does nothing."""
+        if self._file.closed:
+            return
+        self.write(Stream.END, self._last_us, b"")
+        os.fsync(self._file.fileno())
+        self._file.close()
+
+    def __enter__(self) -> "Writer":
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+
+
+class Reader:
+    """Reads a recording: `header`, then the other records by iteration (as often as wanted).
+
+    After an iteration `cut` is None for a file that was closed properly, else a sentence saying where and how it ends.
+    Raises RecordingError if the file is missing, is no recording, or is cut within its header.
+    """
+
+    def __init__(self, path: str | Path):
+        self.path = Path(path)
+        self.cut: str | None = None
+        try:
+            with open(self.path, "rb") as file:
+                if file.read(len(MAGIC)) != MAGIC:
+                    raise RecordingError(f"{path} is no recording: it does not begin with the recording mark")
+                first = self._next(file)
+                self._start = file.tell()
+        except OSError as error:
+            raise RecordingError(f"cannot read {path}: {error.strerror}") from None
+        if first is None or first.stream != Stream.HEADER:
+            raise RecordingError(f"{path} holds nothing to read: {self.cut or 'its header is missing'}")
+        self.header = Header.unpack(first.data)
+
+    def __iter__(self) -> Iterator[Record]:
+        self.cut = None
+        with open(self.path, "rb") as file:
+            file.seek(self._start)
+            while record := self._next(file):
+                if record.stream == Stream.END:
+                    return
+                yield record
+
+    def stream(self, stream: int) -> Iterator[Record]:
+        """The records of one stream."""
+        return (record for record in self if record.stream == stream)
+
+    def _next(self, file) -> Record | None:
+        at = file.tell()
+        prefix = file.read(_PREFIX.size)
+        if len(prefix) == _PREFIX.size:
+            stream, time_us, length = _PREFIX.unpack(prefix)
+            if length > LARGEST:
+                self.cut = f"damaged at byte {at}: a record of {length} bytes cannot be"
+                return None
+            rest = file.read(length + _CHECK.size)
+            if len(rest) == length + _CHECK.size:
+                data = rest[:length]
+                if _CHECK.unpack(rest[length:])[0] == zlib.crc32(data, zlib.crc32(prefix)):
+                    return Record(time_us, stream, data)
+                self.cut = f"damaged at byte {at}: the record's check does not match"
+                return None
+        self.cut = f"cut off at byte {at}" + ("" if prefix else ", after a whole record")
+        return None
+
+
+def unpack_input(data: bytes) -> tuple[int, int]:
+    """Payload of an input record -> (pin, value)."""
+    return _INPUT.unpack(data)

@@ -1,0 +1,121 @@
+"""The recording file: what is written is read back, and a damaged file is read up to the damage."""
+
+import pytest
+
+from host.recording import MAGIC, Decision, Header, Pose, Reader, RecordingError, Stream, Writer, unpack_input
+
+HEADER = Header("1.2.3", '{ "axles": 5 }\n', "twin:z?width=550", reasons=("the way is free", "Wand rechts, größer"), notes={"seed": 3})
+DECISION = Decision(70_000, -900, 900, 180, 4, 2, 255, 32767, -250, 32767, 9)
+POSE = Pose(-12.5, 1630.25, 359.9)
+RECORDS = [
+    (1_000, Stream.LIDAR, bytes(range(256))),
+    (1_000, Stream.LIDAR, b""),
+    (20_000, Stream.REGISTERS, b"\x40\x06\x00\x00\x33\x01"),
+    (21_000, Stream.DECISION, DECISION.pack()),
+    (2**33, Stream.POSE, POSE.pack()),
+]
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "deeper" / "drive.rec"
+    with Writer(path, HEADER) as writer:
+        for time_us, stream, data in RECORDS:
+            writer.write(stream, time_us, data)
+    return path
+
+
+def test_round_trip(path):
+    reader = Reader(path)
+    assert reader.header == HEADER
+    assert list(reader) == RECORDS
+    assert reader.cut is None
+
+
+def test_payloads_survive(path):
+    reader = Reader(path)
+    assert [Decision.unpack(r.data) for r in reader.stream(Stream.DECISION)] == [DECISION]
+    assert [Pose.unpack(r.data) for r in reader.stream(Stream.POSE)] == [POSE]
+
+
+def test_events_and_inputs(tmp_path):
+    with Writer(tmp_path / "a.rec", HEADER) as writer:
+        writer.event(5, "touched the wall at 12 °")
+        writer.input(6, 35, 65535)
+    event, change = Reader(tmp_path / "a.rec")
+    assert event.data.decode() == "touched the wall at 12 °"
+    assert unpack_input(change.data) == (35, 65535)
+
+
+def test_every_cut_is_read_up_to_the_cut(path, tmp_path):
+    """Cut at every byte: the whole records before the cut come back, and the cut is reported."""
+    whole = path.read_bytes()
+    short = tmp_path / "short.rec"
+    counts = []
+    for length in range(len(whole)):
+        short.write_bytes(whole[:length])
+        try:
+            reader = Reader(short)
+        except RecordingError:
+            counts.append(-1)
+            continue
+        got = list(reader)
+        assert got == RECORDS[: len(got)]
+        assert "cut off at byte" in reader.cut
+        counts.append(len(got))
+    assert counts == sorted(counts) and counts[-1] == len(RECORDS)
+
+
+def test_damage_stops_the_reading(path):
+    whole = bytearray(path.read_bytes())
+    whole[-40] ^= 1
+    path.write_bytes(whole)
+    reader = Reader(path)
+    assert list(reader) == RECORDS[:-1]
+    assert "damaged at byte" in reader.cut
+
+
+def test_an_impossible_length_is_damage(path):
+    whole = path.read_bytes()
+    path.write_bytes(whole + b"\x01" + bytes(8) + b"\xff\xff\xff\xff")
+    assert list(Reader(path)) == RECORDS  # the end mark comes first
+    path.write_bytes(whole[:-17] + b"\x01" + bytes(8) + b"\xff\xff\xff\xff")
+    reader = Reader(path)
+    assert list(reader) == RECORDS and "cannot be" in reader.cut
+
+
+def test_records_are_readable_before_the_writer_closes(tmp_path):
+    writer = Writer(tmp_path / "a.rec", HEADER)
+    writer.write(Stream.LIDAR, 1, b"abc")
+    reader = Reader(tmp_path / "a.rec")
+    assert [r.data for r in reader] == [b"abc"]
+    assert "after a whole record" in reader.cut
+    writer.close()
+    writer.close()
+
+
+def test_a_recording_is_never_overwritten(path):
+    before = path.read_bytes()
+    with pytest.raises(RecordingError, match="exists already"):
+        Writer(path, HEADER)
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("content", [b"", b"hello", MAGIC, MAGIC.replace(b"\r\n", b"\n") + bytes(40)])
+def test_other_files_are_refused(tmp_path, content):
+    (tmp_path / "x").write_bytes(content)
+    with pytest.raises(RecordingError):
+        Reader(tmp_path / "x")
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(RecordingError, match="cannot read"):
+        Reader(tmp_path / "none")
+
+
+def test_a_newer_format_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr("host.recording.FORMAT", 2)
+    Writer(tmp_path / "n.rec", HEADER).close()
+    monkeypatch.undo()
+    with pytest.raises(RecordingError, match="format 2"):
+        Reader(tmp_path / "n.rec")
