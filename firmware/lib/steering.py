@@ -1,0 +1,265 @@
+"""Steering geometry: from the angles of two virtual wheels to the angle and the speed of every wheel.
+
+The virtual wheels sit at the middle of the first and of the last axle and are turned by AF and AR. They fix one rigid motion of the body,
+and every wheel stands across the line from the turning centre to it, so that no wheel skids.
+
+Body frame: origin midway between the first and the last axle, x right, y forward, mm; angles in 0.1 deg, clockwise positive.
+Source: papers A (1)-(12) and B (1)-(23), in one form for every mode. With S = sum of the axle spacings the motion, up to scale, is
+    (vx, vy, w S/2) = (sin(AF + AR), cos(AF - AR) + cos(AF + AR), sin(AF - AR)),   w clockwise,
+and a wheel at (x, y) moves with (vx + w y, vy - w x). Errors of the papers' own formulas (signs, quadrants) do not arise in it.
+"""
+
+from array import array
+
+import micropython
+from micropython import const
+from trig import SIN, polar
+
+_RIGHT = const(900)  # 90 deg
+_HALF_TURN = const(1800)
+
+ADVERSE = const(1)  # AF and AR of opposite sign
+FIRST_STRAIGHT = const(2)  # AF = 0
+LAST_STRAIGHT = const(3)  # AR = 0
+SPIN = const(4)  # AF = 90, AR = -90: clockwise; AF = -90, AR = 90: the other way
+LATERAL = const(5)  # AF = AR: a crab at that angle, sideways at 90
+SAME_PHASE = const(6)  # AF and AR of the same sign, not equal
+STRAIGHT = const(7)  # AF = AR = 0
+
+# Lengths over S are held in 2**-23 and stay below 8, so that a product with a component below 2**24 splits into halves of 13 bits.
+_LARGEST_RATIO = const(8)
+# Layout of Steering._geometry: number of axles, track / S, then 2 * (distance behind the first axle) / S of each axle.
+_AXLES = const(0)
+_TRACK = const(1)
+_FIRST = const(2)
+# Layout of Steering._work: hypot and direction from polar(), then the speed of each wheel.
+_HYPOT = const(0)
+_DIRECTION = const(1)
+_SPEEDS = const(2)
+
+
+@micropython.viper
+def _times(value: int, ratio: int) -> int:
+    """value * ratio / 2**23 for 0 <= value < 2**24, 0 <= ratio < 2**26, without a product of 2**30 or more."""
+    high = value >> 13
+    low = value & 0x1FFF
+    ratio_high = ratio >> 13
+    ratio_low = ratio & 0x1FFF
+    middle = high * ratio_low + low * ratio_high + ((low * ratio_low) >> 13)
+    return ((high * ratio_high) << 3) + (middle >> 10)
+
+
+@micropython.viper
+def _solve(af: int, ar: int, geometry_, work_, angles_, shares_, twist_) -> int:
+    """Fill angles, shares and the twist for |af|, |ar| <= 900; return the bits of the folded wheels."""
+    sine = ptr32(SIN)
+    geometry = ptr32(geometry_)
+    work = ptr32(work_)
+    angles = ptr16(angles_)
+    shares = ptr16(shares_)
+    twist = ptr16(twist_)
+    axles = geometry[_AXLES]
+
+    # Left turns are solved as right turns in the mirror: left and right then agree to the last bit, and w is never negative.
+    total = af + ar
+    difference = af - ar
+    mirrored = 0
+    if difference < 0 or (difference == 0 and total < 0):
+        mirrored = 1
+        total = 0 - total
+        difference = 0 - difference
+
+    vx = 0
+    vy = 0
+    w = 0
+    if difference == _HALF_TURN:  # spin: the general form vanishes here
+        w = 1
+    elif total == _HALF_TURN:  # sideways: likewise
+        vx = 1
+    else:
+        # At most 2**31 - 2 for vy: a sum, not a product, and still a 32-bit word.
+        if difference <= _RIGHT:
+            w = sine[difference]
+            vy = sine[_RIGHT - difference]
+        else:
+            w = sine[_HALF_TURN - difference]
+            vy = 0 - sine[difference - _RIGHT]
+        a = total if total >= 0 else 0 - total
+        if a <= _RIGHT:
+            vx = sine[a]
+            vy += sine[_RIGHT - a]
+        else:
+            vx = sine[_HALF_TURN - a]
+            vy -= sine[a - _RIGHT]
+        if total < 0:
+            vx = 0 - vx
+
+    # Largest component between 2**23 and 2**24. Near the spin the sines themselves are small, hence both directions.
+    largest = vx if vx >= 0 else 0 - vx
+    if vy > largest:
+        largest = vy
+    if w > largest:
+        largest = w
+    while largest >= 0x1000000:
+        largest >>= 1
+        vx >>= 1
+        vy >>= 1
+        w >>= 1
+    while largest < 0x800000:
+        largest <<= 1
+        vx <<= 1
+        vy <<= 1
+        w <<= 1
+
+    across = int(_times(w, geometry[_TRACK]))
+    fastest = 0
+    folded = 0
+    i = 0
+    while i < axles:
+        wheel_x = vx + w - int(_times(w, geometry[_FIRST + i]))
+        side = 0
+        while side < 2:
+            polar(wheel_x, vy - across if side else vy + across, work_)
+            wheel = i + i + (side ^ mirrored)
+            speed = work[_HYPOT]
+            if speed > fastest:
+                fastest = speed
+            work[_SPEEDS + wheel] = speed
+            angle = work[_DIRECTION]
+            if angle > _HALF_TURN:
+                angle -= 2 * _HALF_TURN
+            if angle > _RIGHT:
+                angle -= _HALF_TURN
+                folded |= 1 << wheel
+            elif angle < 0 - _RIGHT:
+                angle += _HALF_TURN
+                folded |= 1 << wheel
+            if mirrored:
+                angle = 0 - angle
+            angles[wheel] = angle & 0xFFFF
+            side += 1
+        i += 1
+
+    # The fastest wheel moves at 16384; the body's centre, and a point S/2 from the turning centre, never faster than it.
+    shift = 0
+    while (fastest >> shift) >= 0x8000:
+        shift += 1
+    fastest >>= shift
+    half = fastest >> 1
+    wheel = 0
+    while wheel < 2 * axles:
+        share = ((work[_SPEEDS + wheel] >> shift) * 16384 + half) // fastest
+        if (folded >> wheel) & 1:
+            share = 0 - share
+        shares[wheel] = share & 0xFFFF
+        wheel += 1
+    vx = ((vx >> shift) * 16384 + half) // fastest
+    w = ((w >> shift) * 16384 + half) // fastest
+    if mirrored:
+        vx = 0 - vx
+        w = 0 - w
+    twist[0] = vx & 0xFFFF
+    twist[1] = ((vy >> shift) * 16384 + half) // fastest
+    twist[2] = w & 0xFFFF
+    return folded
+
+
+@micropython.viper
+def _first_outside(angles_, low_, high_, count: int) -> int:
+    angles = ptr16(angles_)
+    low = ptr16(low_)
+    high = ptr16(high_)
+    k = 0
+    while k < count:
+        angle = angles[k] ^ 0x8000
+        if angle < low[k] ^ 0x8000 or angle > high[k] ^ 0x8000:
+            return k
+        k += 1
+    return -1
+
+
+class Steering:
+    """Wheel angles and speed shares for one set of axles.
+
+    spacings: mm between neighbouring axles, front to rear, ints or floats, each > 0; one fewer than there are axles, at least one.
+    track: mm between the left and the right wheels, > 0 and less than 8 S, S being the sum of the spacings.
+    Raises ValueError otherwise, or for more than 15 axles.
+
+    Wheel (i, j), axle i = 1 .. n from the front, j = 1 left, 2 right, has index 2 (i - 1) + (j - 1).
+
+    n           number of axles
+    span        S, mm
+    angles      array('h', 2n): wheel angles, 0.1 deg, -900 .. 900
+    shares      array('h', 2n): signed speed * 16384; the fastest wheel has 16384 (or -16384), a folded one is negative
+    folded      bit k set: the direction of motion of wheel k lies beyond 90 deg; it is turned by 180 deg and runs in reverse
+    mode        1 .. 7: ADVERSE, FIRST_STRAIGHT, LAST_STRAIGHT, SPIN, LATERAL, SAME_PHASE, STRAIGHT
+    vx, vy      velocity of the point midway between first and last axle, * 16384, when the fastest wheel moves at 1
+    w           angular rate clockwise * S/2, * 16384, likewise
+    af, ar      what was solved last
+    """
+
+    def __init__(self, spacings, track):
+        if not spacings:
+            raise ValueError("a robot has two axles at least: give one spacing or more")
+        if len(spacings) > 14:
+            raise ValueError("%d axles are too many: 15 at most" % (len(spacings) + 1))
+        if min(spacings) <= 0:
+            raise ValueError("axle spacings must be above 0 mm, not %r" % min(spacings))
+        span = sum(spacings)
+        if not 0 < track < _LARGEST_RATIO * span:
+            raise ValueError("track must lie between 0 and %d mm (8 times the wheelbase), not %r" % (_LARGEST_RATIO * span, track))
+        self.spacings = spacings
+        self.track = track
+        self.span = span
+        self.n = n = len(spacings) + 1
+        self._geometry = array("i", [n, _ratio(track, span), 0])
+        behind = 0
+        for spacing in spacings:
+            behind += spacing
+            self._geometry.append(_ratio(2 * behind, span))
+        self._work = array("i", bytes(4 * (_SPEEDS + 2 * n)))
+        self._twist = array("h", (0, 0, 0))
+        self.angles = array("h", bytes(4 * n))
+        self.shares = array("h", bytes(4 * n))
+        self.solve(0, 0)
+
+    def solve(self, af, ar):
+        """Solve for AF and AR, 0.1 deg each. False, and nothing changed, where one lies outside -900 .. 900.
+
+        Right to 0.1 deg in each angle and 0.5 % in each speed, but for a wheel within a millimetre of the turning centre: its direction hardly
+        matters, and where it is the centre the angle is 0.
+        """
+        if not (-_RIGHT <= af <= _RIGHT and -_RIGHT <= ar <= _RIGHT):
+            return False
+        self.folded = _solve(af, ar, self._geometry, self._work, self.angles, self.shares, self._twist)
+        self.vx = self._twist[0]
+        self.vy = self._twist[1]
+        self.w = self._twist[2]
+        self.mode = mode_of(af, ar)
+        self.af = af
+        self.ar = ar
+        return True
+
+    def outside(self, low, high):
+        """Index of the first wheel whose angle lies outside low[k] .. high[k] (array('h') of 2n, 0.1 deg), -1 if none does."""
+        return _first_outside(self.angles, low, high, 2 * self.n)
+
+
+def _ratio(length, span):
+    """length / span in 2**-23, rounded; exact where both are ints."""
+    return int((length * 0x1000000 // span + 1) // 2)
+
+
+def mode_of(af, ar):
+    """The steering mode, 1 .. 7, of AF and AR in 0.1 deg."""
+    if af == ar:
+        return LATERAL if af else STRAIGHT
+    if af == 0:
+        return FIRST_STRAIGHT
+    if ar == 0:
+        return LAST_STRAIGHT
+    if af == -ar and (af == _RIGHT or ar == _RIGHT):
+        return SPIN
+    if (af > 0) == (ar > 0):
+        return SAME_PHASE
+    return ADVERSE
