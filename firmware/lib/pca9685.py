@@ -1,0 +1,137 @@
+"""PCA9685: sixteen PWM outputs on I2C.
+
+A register image is kept here and sent as one burst, so that all outputs of a chip change together, at the STOP of the transfer.
+
+    chip = PCA9685(i2c, 0x40, frequency=50, oscillator=25_000_000)
+    chip.start()                      # every output off
+    counts = array("H", [0] * 16)
+    counts[0] = chip.counts(1500)     # 1500 us
+    if chip.load(counts):
+        chip.write()
+
+Source: NXP PCA9685 data sheet.
+"""
+
+import time
+
+import micropython
+from micropython import const
+
+_MODE1 = const(0x00)
+_LED0 = const(0x06)  # ON_L, ON_H, OFF_L, OFF_H of each channel
+_ALL_LED = const(0xFA)
+_PRE_SCALE = const(0xFE)  # taken only while the chip sleeps
+
+_SLEEP = const(0x10)
+_AUTO_INCREMENT = const(0x20)
+_TOTEM_POLE = const(0x04)  # MODE2: outputs change at STOP, and are low while output enable is high
+_FULL = const(0x10)  # bit 4 of ON_H: always on; of OFF_H: always off, which wins
+
+_OSCILLATOR_START_US = const(500)
+_ALL_CALL = const(0x70)
+
+
+@micropython.viper
+def _encode(counts_, image_, channels: int) -> int:
+    """Write the registers of `channels` counts into the image after its register number; return whether any byte changed."""
+    counts = ptr16(counts_)
+    image = ptr8(image_)
+    changed = 0
+    at = 1
+    k = 0
+    while k < channels:
+        count = counts[k]
+        on_high = 0
+        off_low = count & 0xFF
+        off_high = count >> 8
+        if count == 0:
+            off_high = _FULL
+        elif count >= 4096:
+            on_high = _FULL
+            off_low = 0
+            off_high = 0
+        if image[at + 1] != on_high or image[at + 2] != off_low or image[at + 3] != off_high:
+            image[at + 1] = on_high
+            image[at + 2] = off_low
+            image[at + 3] = off_high
+            changed = 1
+        at += 4
+        k += 1
+    return changed
+
+
+class PCA9685:
+    """One chip.
+
+    i2c: machine.I2C; address: 0x40 .. 0x7F except 0x70; frequency: of all outputs, Hz; oscillator: the chip's own, Hz (nominally 25 MHz,
+    23 to 27 in practice: measure an output and correct it here); channels: how many, from 0 up, are in use and sent.
+
+    The bus is first touched by start(), so that an owner can name an absent chip and try again.
+    Every method that uses the bus raises OSError, with the address and the remedy, if the chip does not answer. None of them allocates.
+    """
+
+    def __init__(self, i2c, address=0x40, frequency=50, oscillator=25000000, channels=16):
+        if not 0x40 <= address <= 0x7F or address == _ALL_CALL:
+            raise ValueError("PCA9685 address must be 0x40 .. 0x7F and not 0x70 (answered by every chip), not 0x%02x" % address)
+        if not 1 <= channels <= 16:
+            raise ValueError("PCA9685 has channels for 1 .. 16 outputs, not %r" % channels)
+        self.address = address
+        self.channels = channels
+        self.prescale = min(max((oscillator + 2048 * frequency) // (4096 * frequency) - 1, 3), 255)
+        self._oscillator_khz = (oscillator + 500) // 1000
+        self._i2c = i2c
+        self._absent = "PCA9685 at 0x%02x does not answer: check its power, SDA, SCL and address jumpers" % address
+        self._image = bytearray(1 + 4 * channels)
+        self._image[0] = _LED0
+        _encode(bytes(2 * channels), self._image, channels)
+        self._setup = (
+            bytes((_MODE1, _AUTO_INCREMENT | _SLEEP, _TOTEM_POLE)),
+            bytes((_PRE_SCALE, self.prescale)),
+            bytes((_ALL_LED, 0, 0, 0, _FULL)),  # also clears a restart left pending by the sleep
+            bytes((_MODE1, _AUTO_INCREMENT)),
+        )
+        self._byte = bytearray(1)
+
+    def start(self):
+        """Set up the chip, whatever it did before, with every output off. Outputs stay off until the next write()."""
+        for registers in self._setup:
+            self._send(registers)
+        time.sleep_us(_OSCILLATOR_START_US)
+
+    def counts(self, us):
+        """Width of a pulse in counts of 1/4096 period, rounded; us: int, 0 .. 20000."""
+        scale = 1000 * (self.prescale + 1)
+        return (us * self._oscillator_khz + scale // 2) // scale
+
+    def load(self, counts):
+        """Take array('H') of counts, one for each channel in use, 0 = off .. 4096 = on, into the image; True if it differs from before."""
+        return bool(_encode(counts, self._image, self.channels))
+
+    def write(self):
+        """Send the image in one burst."""
+        self._send(self._image)
+
+    def check(self):
+        """False if the chip has lost its settings, as after a dip of its supply; it is then set up again, with every output off."""
+        if self._read(_MODE1) & (_SLEEP | _AUTO_INCREMENT) == _AUTO_INCREMENT and self._read(_PRE_SCALE) == self.prescale:
+            return True
+        self.start()
+        return False
+
+    def deinit(self):
+        """Every output off, oscillator stopped."""
+        self._send(self._setup[2])
+        self._send(self._setup[0])
+
+    def _send(self, registers):
+        try:
+            self._i2c.writeto(self.address, registers)
+        except OSError:
+            raise OSError(self._absent)
+
+    def _read(self, register):
+        try:
+            self._i2c.readfrom_mem_into(self.address, register, self._byte)
+        except OSError:
+            raise OSError(self._absent)
+        return self._byte[0]
