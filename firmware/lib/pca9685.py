@@ -32,10 +32,8 @@ _ALL_CALL = const(0x70)
 
 
 @micropython.viper
-def _encode(counts_, image_, channels: int) -> int:
+def _encode(counts: ptr16, image: ptr8, channels: int) -> int:
     """Write the registers of `channels` counts into the image after its register number; return whether any byte changed."""
-    counts = ptr16(counts_)
-    image = ptr8(image_)
     changed = 0
     at = 1
     k = 0

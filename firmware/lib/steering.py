@@ -50,14 +50,10 @@ def _times(value: int, ratio: int) -> int:
 
 
 @micropython.viper
-def _solve(af: int, ar: int, geometry_, work_, angles_, shares_, twist_) -> int:
+def _solve(af: int, ar: int, geometry: ptr32, work_buffer, angles: ptr16, shares: ptr16, twist: ptr16) -> int:
     """Fill angles, shares and the twist for |af|, |ar| <= 900; return the bits of the folded wheels."""
     sine = ptr32(SIN)
-    geometry = ptr32(geometry_)
-    work = ptr32(work_)
-    angles = ptr16(angles_)
-    shares = ptr16(shares_)
-    twist = ptr16(twist_)
+    work = ptr32(work_buffer)
     axles = geometry[_AXLES]
 
     # Left turns are solved as right turns in the mirror: left and right then agree to the last bit, and w is never negative.
@@ -119,7 +115,7 @@ def _solve(af: int, ar: int, geometry_, work_, angles_, shares_, twist_) -> int:
         wheel_x = vx + w - int(_times(w, geometry[_FIRST + i]))
         side = 0
         while side < 2:
-            polar(wheel_x, vy - across if side else vy + across, work_)
+            polar(wheel_x, vy - across if side else vy + across, work_buffer)
             wheel = i + i + (side ^ mirrored)
             speed = work[_HYPOT]
             if speed > fastest:
@@ -165,10 +161,7 @@ def _solve(af: int, ar: int, geometry_, work_, angles_, shares_, twist_) -> int:
 
 
 @micropython.viper
-def _first_outside(angles_, low_, high_, count: int) -> int:
-    angles = ptr16(angles_)
-    low = ptr16(low_)
-    high = ptr16(high_)
+def _first_outside(angles: ptr16, low: ptr16, high: ptr16, count: int) -> int:
     k = 0
     while k < count:
         angle = angles[k] ^ 0x8000

@@ -76,19 +76,18 @@ def cos14(a: int) -> int:
 
 
 @micropython.viper
-def polar(x: int, y: int, out):
+def polar(x: int, y: int, out: ptr32):
     """Polar coordinates of (x, y), |x|, |y| <= 2**28.
 
     out: array('i') of at least two; out[0] = hypot(x, y), right to 1 + hypot / 2**20;
     out[1] = direction 0 .. 3599 in 0.1 deg clockwise from +y, that is atan2(x, y), rounded. The origin has direction 0.
     """
-    result = ptr32(out)
     atan = ptr32(_ATAN)
     u = y if y >= 0 else 0 - y
     v = x if x >= 0 else 0 - x
     if u + v == 0:
-        result[0] = 0
-        result[1] = 0
+        out[0] = 0
+        out[1] = 0
         return
     # Short vectors are lengthened so that the rounding of each step does not count; 2.33 * 2**28 is the most u can become.
     shift = 0
@@ -112,7 +111,7 @@ def polar(x: int, y: int, out):
     high = u >> 14
     low = u & 0x3FFF
     r = high * _GAIN_HIGH + ((high * _GAIN_LOW + low * _GAIN_HIGH) >> 14)
-    result[0] = (r + ((1 << shift) >> 1)) >> shift
+    out[0] = (r + ((1 << shift) >> 1)) >> shift
     # Rounded in the first quadrant, so that mirrored vectors have mirrored directions.
     angle = (angle + 0x8000) >> 16
     if y < 0:
@@ -121,7 +120,7 @@ def polar(x: int, y: int, out):
         angle = _TURN - angle
         if angle == _TURN:
             angle = 0
-    result[1] = angle
+    out[1] = angle
 
 
 @micropython.viper
