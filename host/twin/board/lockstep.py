@@ -1,0 +1,241 @@
+"""The simulated board's clock and its wires to the twin. Runs on either interpreter, beside the firmware.
+
+Time stands still while the firmware computes; it moves in `advance_to` only. What the firmware does to the outside (I2C writes, pins,
+PWM, UART output) is noted here with its time and handed over when time passes the horizon: the moment up to which the twin has already
+told what will arrive. Nothing here allocates once the firmware's loop runs, so it may run with the heap locked.
+
+A request (firmware to twin, little-endian):
+
+    u32 length | u8 kind | u8 address | u16 size | i64 now | i64 target | 11 i32 probe | u32 overflows | events
+
+    kind ADVANCE    time passes to `target`
+         READ       `size` bytes from the I2C device at `address`; the events before it have happened
+         FLUSH      only the events
+         RESET      the board resets itself; the last request
+    probe           the firmware's latest decision, see `_probe`; its first word is 0 while there is none
+    overflows       bytes lost because a UART's buffer was full
+    event           i64 time | u8 kind | u8 where | u16 value | data
+                    I2C write: address, number of data bytes; pin: GPIO, level; PWM duty: GPIO, 0..65535; PWM frequency: GPIO, Hz (up to
+                    65535); UART output: GPIO of tx, number of data bytes
+
+The answer is REPLY bytes, always:
+
+    words of 64 bits    0 horizon; 1 levels of the input pins, bit = GPIO; 2 and 3 I2C addresses that acknowledge (0..59, 60..119);
+                        4 ADC reading 0..65535; 5 number of chunks, up to 4; 6.. chunks of three: time at which the first byte has
+                        arrived, bytes, GPIO of rx
+    from byte PAYLOAD   bytes of the chunks one after another (of a READ: the bytes read)
+"""
+
+import struct
+import sys
+from array import array
+
+import micropython
+from micropython import const
+
+ADVANCE = const(1)
+READ = const(2)
+FLUSH = const(3)
+RESET = const(4)
+
+I2C_WRITE = const(1)
+PIN = const(2)
+PWM_DUTY = const(3)
+PWM_FREQUENCY = const(4)
+UART_OUTPUT = const(5)
+
+REPLY = const(1024)
+PAYLOAD = const(160)
+
+_HEADER = const(72)
+_EVENT = const(12)
+_REQUEST = const(3072)  # below the size a pipe takes in one piece
+_CHUNKS = const(4)
+_FIRST_CHUNK = const(6)
+_BYTES_PER_SECOND = const(23040)  # 230400 baud, ten bits a byte
+
+_MICROPYTHON = sys.implementation.name == "micropython"
+
+now = 0  # us since the board started
+watchdog_at = 0  # time at which the watchdog bites; 0 = none
+overflows = 0
+
+_horizon = 0
+_request = bytearray(_REQUEST)
+_view = memoryview(_request)
+_used = _HEADER
+# "l", not "q": MicroPython makes an object of every "q" it reads.
+_reply = array("l", [0] * (REPLY // 8))
+_answer = array("l", [0] * (REPLY // 8))  # to READ and FLUSH: chunks still on the wire stay in _reply
+_inputs = _reply
+_taken = array("i", [0] * _CHUNKS)
+_receivers = [None] * 48
+_to_twin = None
+_from_twin = None
+_seen = -1
+
+
+@micropython.viper
+def copy(target: ptr8, at: int, source: ptr8, start: int, count: int):
+    """target[at:at + count] = source[start:start + count], without the objects that slices would make."""
+    i = 0
+    while i < count:
+        target[at + i] = source[start + i]
+        i += 1
+
+
+def connect(read_descriptor, write_descriptor):
+    """Open the two pipes to the twin and learn the state of the inputs."""
+    global _from_twin, _to_twin
+    _from_twin = open(read_descriptor, "rb")
+    _to_twin = open(write_descriptor, "wb")
+    _exchange(FLUSH, 0, 0, 0)
+
+
+def attach(gpio, receiver):
+    """`receiver.put(buffer, start, count)` gets the bytes that arrive on the pin."""
+    _receivers[gpio] = receiver
+
+
+def advance_to(time):
+    """Let time pass."""
+    global now
+    if watchdog_at and time >= watchdog_at:
+        reset()
+    while time >= _horizon:
+        _deliver_all()
+        _exchange(ADVANCE, 0, 0, time)
+    now = time
+
+
+def deliver():
+    """Hand the bytes that have arrived by now to their receivers."""
+    words = _reply
+    start = PAYLOAD
+    index = 0
+    at = _FIRST_CHUNK
+    while index < words[5]:
+        count = words[at + 1]
+        taken = _taken[index]
+        if taken < count:
+            arrived = 0
+            if now >= words[at]:
+                arrived = (now - words[at]) * _BYTES_PER_SECOND // 1000000 + 1
+                if arrived > count:
+                    arrived = count
+            if arrived > taken:
+                _hand_over(words[at + 2], start + taken, arrived - taken)
+                _taken[index] = arrived
+        start += count
+        index += 1
+        at += 3
+
+
+def note(kind, where, value, data, count):
+    """Note an event at this moment; `count` bytes of data (None when there are none)."""
+    global _used
+    if _used + _EVENT + count > _REQUEST:
+        _exchange(FLUSH, 0, 0, now)
+    struct.pack_into("<qBBH", _request, _used, now, kind, where, value)
+    _used += _EVENT
+    if count:
+        copy(_request, _used, data, 0, count)
+        _used += count
+
+
+def read(address, buffer, count):
+    """Fill buffer[:count] from an I2C device, whose register pointer has been set."""
+    _exchange(READ, address, count, now)
+    copy(buffer, 0, _answer, PAYLOAD, count)
+
+
+def acknowledges(address):
+    """True when a device answers at the I2C address."""
+    if address < 60:
+        return (_inputs[2] >> address) & 1
+    return (_inputs[3] >> (address - 60)) & 1
+
+
+def level(gpio):
+    """Level of an input pin."""
+    return (_inputs[1] >> gpio) & 1
+
+
+def adc():
+    """Reading of the battery divider, 0..65535."""
+    return _inputs[4]
+
+
+def reset():
+    """The board resets: the run is over."""
+    _exchange(RESET, 0, 0, now)
+    sys.exit(3)
+
+
+def _deliver_all():
+    """Everything announced arrives before the horizon."""
+    start = PAYLOAD
+    index = 0
+    at = _FIRST_CHUNK
+    while index < _reply[5]:
+        count = _reply[at + 1]
+        taken = _taken[index]
+        if taken < count:
+            _hand_over(_reply[at + 2], start + taken, count - taken)
+        _taken[index] = 0
+        start += count
+        index += 1
+        at += 3
+    _reply[5] = 0
+
+
+def _hand_over(gpio, start, count):
+    receiver = _receivers[gpio]
+    if receiver is not None:
+        receiver.put(_reply, start, count)
+
+
+def _exchange(kind, address, size, target):
+    """Send what has gathered, wait for the answer."""
+    global _used, _horizon, _inputs
+    struct.pack_into("<IBBHqq", _request, 0, _used, kind, address, size, now, target)
+    struct.pack_into("<I", _request, 68, overflows)
+    _probe()
+    answer = _reply if kind == ADVANCE else _answer
+    try:
+        _send(_used)
+        got = _from_twin.readinto(answer)
+    except OSError:
+        got = 0
+    if got != REPLY:
+        sys.exit(0)  # the twin has seen enough
+    _used = _HEADER
+    _inputs = answer
+    if kind == ADVANCE:
+        _horizon = answer[0]
+
+
+def _probe():
+    """Read the latest decision out of the running firmware, as a debugger would; the firmware knows nothing of it."""
+    global _seen
+    main = sys.modules.get("main")
+    avoid = getattr(getattr(main, "robot", None), "avoid", None)
+    if avoid is None or avoid.decisions == _seen:
+        return
+    _seen = avoid.decisions
+    struct.pack_into(
+        "<11i", _request, 24, _seen, avoid.af, avoid.ar, avoid.v, avoid.mode, avoid.window, avoid.zone, avoid.free,
+        avoid.block_x, avoid.block_y, avoid.why,
+    )
+
+
+if _MICROPYTHON:
+
+    def _send(count):
+        _to_twin.write(_request, count)
+
+else:
+
+    def _send(count):
+        _to_twin.write(_view[:count])
+        _to_twin.flush()

@@ -1,0 +1,90 @@
+"""Command line of the twin."""
+
+import argparse
+import json
+import sys
+
+from . import courses
+from .console import Progress, summary_line
+from .image import FIRMWARE, ToolMissing
+from .process import ENGINES
+from .run import MODES, run
+from .simulation import PASS
+
+PASSED, FAILED, MISUSED = 0, 1, 2
+
+
+def main(arguments=None):
+    """Run the twin; returns the exit code: 0 pass, 1 any other result, 2 bad arguments."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    progress = None if options.json else Progress()
+    try:
+        result = run(
+            options.course, options.width, options.gap, options.seed, options.mode, options.engine, options.speed, options.config,
+            watch=progress, mirror=options.mirror, reverse=options.reverse, angle=options.angle, scale=options.scale,
+            firmware=options.firmware or FIRMWARE,
+        )
+    except (ValueError, ToolMissing, SyntaxError) as error:
+        print(f"python -m host.twin: {error}", file=sys.stderr)
+        return MISUSED
+    if options.picture:
+        from .picture import draw
+
+        draw(result, options.picture)
+    if options.json:
+        print(json.dumps(result.summary()))
+    else:
+        print(summary_line(result))
+        if options.picture:
+            print(f"picture: {options.picture}")
+    return PASSED if result.result == PASS else FAILED
+
+
+def _parser():
+    parser = argparse.ArgumentParser(
+        prog="python -m host.twin", description="Drive a course in the digital twin with the robot's own firmware.",
+        epilog="exit code: 0 passed, 1 any other result, 2 bad arguments",
+    )
+    add = parser.add_argument
+    add("course", metavar="COURSE", type=_course, help=", ".join(courses.NAMES))
+    add("--width", type=float, metavar="MM", help="width of the passage (default 550)")
+    add("--gap", type=float, default=500.0, metavar="MM", help="random: least distance between obstacles (default 500)")
+    add("--seed", type=_seed, default=0, metavar="N", help="of the robot's imperfections and the noise; other than 0 also shifts the start")
+    add("--mode", type=str.lower, choices=MODES, help="all axles steer, or the last one stays straight (default: as robot.json says)")
+    add("--engine", choices=ENGINES, default=ENGINES[0], help="what runs the firmware")
+    add("--speed", type=_speed, default=None, metavar="X|max", help="factor on real time, or max (default)")
+    add("--config", metavar="FILE", help="robot.json to use (default firmware/robot.json)")
+    add("--firmware", metavar="FOLDER", help="main.py and lib/ to run (default firmware/)")
+    add("--json", action="store_true", help="print one JSON object with the result and nothing else")
+    add("--picture", metavar="FILE", help="draw the run (.png)")
+    add("--mirror", action="store_true", help="the course with left and right exchanged")
+    add("--reverse", action="store_true", help="enter from the other end")
+    add("--angle", type=float, default=90.0, metavar="DEG", help="bend: angle of its two bends (default 90)")
+    add("--scale", type=float, default=1.0, metavar="X", help="bend: factor on the length of its legs (default 1)")
+    return parser
+
+
+def _course(text):
+    names = {name.lower(): name for name in courses.NAMES}
+    if text.lower() not in names:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a course; courses are {', '.join(courses.NAMES)}")
+    return names[text.lower()]
+
+
+def _seed(text):
+    if not text.isdigit():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a seed; whole numbers from 0 are accepted")
+    return int(text)
+
+
+def _speed(text):
+    if text == "max":
+        return None
+    try:
+        speed = float(text)
+    except ValueError:
+        speed = 0
+    if not 0.01 <= speed <= 1000:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a speed; a factor from 0.01 to 1000 or max is accepted")
+    return speed

@@ -1,0 +1,104 @@
+"""Chips and wires between the firmware's I2C writes and pins, and the servos and motors."""
+
+import numpy as np
+
+from .pca9685 import Pca9685
+
+SHORTEST_US, LONGEST_US = 400.0, 2600.0  # a servo ignores other pulses
+NEVER = float("inf")
+
+
+class Electronics:
+    """Three PCA9685 chips, the output-enable pin, the lidar's motor driver and the inputs.
+
+    latch: time (us) at which the servos take their next pulses, NEVER while nothing has changed.
+    """
+
+    def __init__(self, vehicle, body, lidar):
+        self._vehicle = vehicle
+        self._body = body
+        self._lidar = lidar
+        self._servo = Pca9685(vehicle.servo_oscillator)
+        self._left, self._right = Pca9685(vehicle.motor_oscillator), Pca9685(vehicle.motor_oscillator)
+        self.chips = {vehicle.servo_chip: self._servo, vehicle.left_chip: self._left, vehicle.right_chip: self._right}
+        low, high = np.array(vehicle.pulse_low, float), np.array(vehicle.pulse_high, float)
+        self._centre = (low + high) / 2
+        self._radians_per_us = np.pi / (high - low)
+        self._trims = np.radians(np.array(vehicle.trims) / 10)
+        self._directions = np.array(vehicle.servo_directions)
+        self._speeds = np.array(vehicle.motor_directions) * vehicle.full_speed
+        self._enabled = False  # the pull-up holds the outputs off until the firmware drives the pin
+        self._servo_phase = 0.0
+        self.latch = NEVER
+        self.stop_pressed = False
+        self.battery_volts = 7.8
+
+    @property
+    def addresses(self):
+        """I2C addresses that acknowledge."""
+        return self.chips.keys()
+
+    @property
+    def levels(self):
+        """Levels of the input pins, bit = GPIO."""
+        return 0 if self.stop_pressed else 1 << self._vehicle.stop_button
+
+    @property
+    def battery_reading(self):
+        """What the ADC reads, 0..65535 over 3.3 V."""
+        return min(int(self.battery_volts / self._vehicle.battery_divider / 3.3 * 65535), 65535)
+
+    def i2c_write(self, time, address, data):
+        """A write ended at the time, us."""
+        chip = self.chips.get(address)
+        if chip is None:
+            return
+        awake = chip.awake
+        chip.write(data)
+        if chip is self._servo:
+            if chip.awake and not awake:
+                self._servo_phase = time
+            self._await_pulse(time)
+        else:
+            self._drive()
+
+    def i2c_read(self, address, count):
+        """Bytes that a chip sends."""
+        return self.chips[address].read(count)
+
+    def pin(self, time, gpio, level):
+        """An output pin changed."""
+        if gpio == self._vehicle.output_enable:
+            self._enabled = not level
+            self._await_pulse(time)
+            self._drive()
+
+    def pwm(self, time, gpio, duty):
+        """The duty of a PWM pin changed, 0..1."""
+        if gpio == self._vehicle.lidar.motor:
+            self._lidar.spin(time, duty)
+
+    def take_pulses(self):
+        """The servos see their new pulses."""
+        self.latch = NEVER
+        chip = self._servo
+        widths = np.array([chip.on_us(channel) for channel in self._vehicle.servo_channels])
+        driven = (widths >= SHORTEST_US) & (widths <= LONGEST_US)
+        if not self._enabled:
+            driven[:] = False
+        angles = self._directions * (widths - self._centre) * self._radians_per_us
+        self._body.steer(angles - self._trims, driven)
+
+    def _await_pulse(self, time):
+        """A pulse that has begun keeps its width: the new one comes with the next period."""
+        period = self._servo.period_us
+        self.latch = self._servo_phase + (np.floor((time - self._servo_phase) / period) + 1) * period
+
+    def _drive(self):
+        """Motors follow IN1 less IN2."""
+        shares = np.zeros(len(self._speeds))
+        if self._enabled:
+            for axle, channel in enumerate(self._vehicle.motor_channels):
+                for side, chip in enumerate((self._left, self._right)):
+                    shares[2 * axle + side] = chip.duty(channel) - chip.duty(channel + 1)
+        self._body.drive(shares * self._speeds)

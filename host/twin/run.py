@@ -1,0 +1,152 @@
+"""One run of the twin from Python: what the command line, the experiments and the bench call."""
+
+import json
+import time
+from dataclasses import dataclass, field
+from math import degrees
+from pathlib import Path
+
+import numpy as np
+
+from . import courses, image
+from .process import FirmwareStopped, Process
+from .simulation import Simulation, Watch
+from .vehicle import Vehicle
+
+MODES = ("aws", "naws")
+
+
+@dataclass
+class Result:
+    """What a run gave.
+
+    track: (n, 4) time s, x mm, y mm, heading deg (clockwise from +y), not more often than 100 a second. decisions: see
+    `simulation.Decision`. touches: (time s, x, y, heading deg) where each contact began.
+    """
+
+    course: str
+    width_mm: float
+    gap_mm: float
+    seed: int
+    mode: str
+    engine: str
+    result: str
+    reason: str
+    time_s: float
+    min_clearance_mm: float
+    contacts: int
+    scrub_mm_s: float
+    decisions: int
+    wall_s: float
+    overflows: int
+    track: np.ndarray = field(repr=False)
+    log: list = field(repr=False)
+    touches: list = field(repr=False)
+    layout: courses.Course = field(repr=False)
+    vehicle: Vehicle = field(repr=False)
+
+    def summary(self):
+        """The figures as a dict that JSON can hold."""
+        out = {}
+        for name, value in vars(self).items():
+            if name in ("track", "log", "touches", "layout", "vehicle"):
+                continue
+            out[name] = round(value, 3) if isinstance(value, float) else value
+        return out
+
+
+def run(
+    course="Z", width=None, gap=500.0, seed=0, mode=None, engine="micropython", speed=None, config=None, watch=None, mirror=False,
+    reverse=False, angle=90.0, scale=1.0, changes=None, firmware=image.FIRMWARE, limit_s=None,
+):
+    """Drive one course; returns a Result.
+
+    course, width, gap, mirror, reverse, angle, scale: see `courses.make`. seed: of the robot's imperfections and the noise; other than 0
+    it perturbs the start as well. mode: "aws" or "naws", None as robot.json says. speed: factor on real time, None = as fast as
+    possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it. watch: simulation.Watch, told what
+    happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run earlier than after 60 s.
+    """
+    began = time.monotonic()
+    settings = load_config(config, mode, changes)
+    vehicle = Vehicle.from_settings(settings)
+    layout = courses.make(course, width, gap, seed, mirror, reverse, angle, scale)
+    watch = watch or Watch()
+    simulation = Simulation(layout, vehicle, seed, watch)
+    child = Process(engine, json.dumps(settings), watch.serial, firmware)
+    try:
+        _drive(simulation, child, watch, speed, limit_s)
+    except FirmwareStopped as stopped:
+        simulation.stop(str(stopped))
+    except KeyboardInterrupt:
+        simulation.stop("interrupted")
+    finally:
+        child.close()
+    return _result(simulation, layout, vehicle, dict(
+        course=course, width_mm=layout.width, gap_mm=gap, seed=seed, mode=settings.get("mode", "AWS").lower(), engine=engine,
+        wall_s=time.monotonic() - began,
+    ))
+
+
+def load_config(config=None, mode=None, changes=None):
+    """robot.json as a dict, with the mode and the changes put over it. ValueError names the file and what is wrong."""
+    if isinstance(config, dict):
+        settings = json.loads(json.dumps(config))
+    else:
+        path = Path(config or image.FIRMWARE / "robot.json")
+        try:
+            settings = json.loads(path.read_text())
+        except OSError as error:
+            raise ValueError(f"{path} cannot be read: {error.strerror}") from None
+        except ValueError as error:
+            raise ValueError(f"{path} is not JSON: {error}") from None
+        if not isinstance(settings, dict):
+            raise ValueError(f"{path} must hold a JSON object")
+    if mode is not None:
+        if mode.lower() not in MODES:
+            raise ValueError(f"mode {mode!r} is not known; modes are {', '.join(MODES)}")
+        settings["mode"] = mode.upper()
+    for name, value in (changes or {}).items():
+        *sections, key = name.split(".")
+        place = settings
+        for section in sections:
+            place = place.setdefault(section, {})
+        place[key] = value
+    return settings
+
+
+def _drive(simulation, child, watch, speed, limit_s):
+    start = time.monotonic()
+    while simulation.result is None:
+        answer = simulation.serve(child.receive())
+        watch.step(simulation)
+        if speed:
+            ahead = simulation.now / 1e6 / speed - (time.monotonic() - start)
+            if ahead > 0:
+                time.sleep(ahead)
+        if limit_s and simulation.now > limit_s * 1e6:
+            simulation.stop(f"{limit_s:g} s are over")
+        if simulation.result is None:
+            child.answer(*answer)
+
+
+def _result(simulation, layout, vehicle, figures):
+    body = simulation.body
+    times, poses = body.times[: body.count], body.poses[: body.count]
+    keep = np.unique(np.searchsorted(times, np.arange(0, times[-1] + 1e4, 1e4)).clip(0, body.count - 1))
+    track = np.column_stack([times[keep] / 1e6, poses[keep, :2], np.degrees(poses[keep, 2])])
+    return Result(
+        **figures,
+        result=simulation.result,
+        reason=simulation.reason,
+        time_s=body.now / 1e6,
+        min_clearance_mm=float(simulation.min_clearance),
+        contacts=simulation.contacts,
+        scrub_mm_s=float(body.mean_scrub),
+        decisions=simulation.decisions[-1].number if simulation.decisions else 0,
+        overflows=simulation.overflows,
+        track=track,
+        log=simulation.decisions,
+        touches=[(t / 1e6, x, y, degrees(h)) for t, x, y, h in simulation.touches],
+        layout=layout,
+        vehicle=vehicle,
+    )

@@ -1,0 +1,104 @@
+"""The robot's mechanics and wiring as the twin needs them: what robot.json says the builder built."""
+
+from dataclasses import dataclass
+
+from host import compat
+
+
+@dataclass(frozen=True)
+class Lidar:
+    """Where the lidar sits and how it counts.
+
+    rx, motor: GPIO. frames: a revolution. offset: bearing of its zero, 0.1 deg clockwise. speed: target, r/s. x, y, near, far: mm.
+    """
+
+    rx: int
+    motor: int
+    baud: int
+    frames: int
+    offset: int
+    mirrored: bool
+    speed: float
+    x: float
+    y: float
+    near: float
+    far: float
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """Lengths in mm, angles in 0.1 deg, pulses in us. Per-wheel tuples run left, right of each axle from the front.
+
+    axles: y of each axle. pulse_low, pulse_high: pulses of -90 and 90 deg. trims: what the firmware adds to an angle for this wheel.
+    motor_channels: of IN1, for each axle. full_speed: mm/s. battery_divider: battery volts over volts at the pin.
+    """
+
+    axles: tuple
+    track: float
+    width: float
+    length: float
+    servo_chip: int
+    servo_oscillator: float
+    servo_channels: tuple
+    servo_directions: tuple
+    trims: tuple
+    pulse_low: tuple
+    pulse_high: tuple
+    left_chip: int
+    right_chip: int
+    motor_oscillator: float
+    motor_channels: tuple
+    motor_directions: tuple
+    full_speed: float
+    output_enable: int
+    stop_button: int
+    battery: int
+    battery_divider: float
+    lidar: Lidar
+
+    @classmethod
+    def from_settings(cls, settings):
+        """The vehicle of a robot.json, given as a dict. ValueError names the key that is wrong."""
+        compat.install()
+        from config import Config
+
+        c = Config(settings)
+        axles = [float(c.axles_first)]
+        for spacing in c.axles_spacings:
+            axles.append(axles[-1] - spacing)
+        return cls(
+            axles=tuple(axles),
+            track=c.axles_track,
+            width=c.robot_width,
+            length=c.robot_length,
+            servo_chip=c.servos_address,
+            servo_oscillator=c.servos_oscillator,
+            servo_channels=tuple(c.servos_channels),
+            servo_directions=tuple(c.servos_directions),
+            trims=tuple(c.servos_trims),
+            pulse_low=tuple(c.servos_pulse_low),
+            pulse_high=tuple(c.servos_pulse_high),
+            left_chip=c.motors_left,
+            right_chip=c.motors_right,
+            motor_oscillator=c.motors_oscillator,
+            motor_channels=tuple(c.motors_channels),
+            motor_directions=tuple(c.motors_directions),
+            full_speed=c.motors_full_speed,
+            output_enable=c.pins_output_enable,
+            stop_button=c.pins_stop_button,
+            battery=c.pins_battery,
+            battery_divider=c.battery_divider1000 / 1000,
+            lidar=Lidar(
+                rx=c.lidar_rx,
+                motor=c.lidar_motor_pin,
+                baud=c.lidar_baud,
+                frames=c.lidar_frames,
+                offset=c.lidar_offset,
+                mirrored=c.lidar_mirrored,
+                speed=c.lidar_speed20 / 20,
+                x=c.lidar_x,
+                y=c.lidar_y,
+                near=c.lidar_near,
+                far=c.lidar_far,
+            ),
+        )
