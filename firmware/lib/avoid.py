@@ -1,0 +1,692 @@
+"""The decision: from what stands round the robot to (AF, AR, V), and why.
+
+One step of look-ahead: every candidate envelope (envelope.py) is tested against the points, and each travel it allows is
+worth its length plus the cost-to-leave (field.py) of the two ends of the body where it ends. When no single move gets
+on well, the best of all moves, backward ones included, are each followed by a second set: two moves are planned, and
+driven one after the other as long as the points agree.
+
+The work is cut into slices, one a call of `work()`; the guard that stops the robot for something new runs on every frame.
+Source: papers A section 4 and B section 3, with the corrections of the feasibility study in the README.
+"""
+
+from array import array
+
+import micropython
+from micropython import const
+
+import reasons
+from envelope import (
+    CAP, COUNT, FIRST, FIRST_STRIP, FLOOR, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, LENGTHS, MARGIN, NEAR, STRIDE,
+    Envelopes, mirror, move, sort_near, sweep_arcs, sweep_strips,
+)
+from field import Field, score_ends
+from surroundings import Surroundings
+from trig import cos14, sin14
+from windows import GREEN, NO_ZONE, Windows
+
+_POINTS = const(448)
+_NODES = const(10)
+_NOTHING = const(65535)
+_NO_POINT = const(32767)
+_BAND = const(12)
+
+# Stages of a decision.
+_IDLE = const(0)
+_RIGHT = const(1)
+_LEFT = const(2)
+_CHOOSE = const(3)
+_BACK_RIGHT = const(4)
+_BACK_LEFT = const(5)
+_NODE_PICK = const(6)
+_EXPAND = const(7)
+_SETTLE = const(8)
+
+
+@micropython.viper
+def _weigh(score: ptr16, free: ptr16, soft: ptr16, af: ptr16, ar: ptr16, lengths: ptr16, job: ptr32):
+    """Add what steering, change of steering, a closed way and narrow passing cost.
+
+    job: first, last, stride, sign (2 forward right, 0 forward left, 3, 1 backward), AF now + 1800, AR now + 1800, look-ahead,
+    steering weight, change weight (1/1024 mm per 0.1 deg), extra (mm)
+    """
+    k = job[0]
+    last = job[1]
+    stride = job[2]
+    variant = job[3]
+    af0 = job[4] - 1800
+    ar0 = job[5] - 1800
+    ahead = job[6]
+    w_steer = job[7]
+    w_change = job[8]
+    extra = job[9]
+    while k < last:
+        a = (af[k] ^ 0x8000) - 0x8000
+        r = (ar[k] ^ 0x8000) - 0x8000
+        cost = a
+        if a < 0:
+            cost = 0 - a
+        if r < 0:
+            cost -= r
+        else:
+            cost += r
+        cost = cost * w_steer
+        if variant == 1:
+            a = 0 - a
+            r = 0 - r
+        elif variant == 2:
+            t = a
+            a = 0 - r
+            r = 0 - t
+        elif variant == 3:
+            t = a
+            a = r
+            r = t
+        d = a - af0
+        if d < 0:
+            d = 0 - d
+        e = r - ar0
+        if e < 0:
+            e = 0 - e
+        cost = ((cost + (d + e) * w_change) >> 10) + extra
+        f = free[k]
+        if f < ahead:
+            cost += (ahead - f) >> 2
+        s = soft[k]
+        i = 0
+        while i < 5:
+            v = score[k * 5 + i]
+            if v < 65000:
+                c = cost
+                if lengths[i] > s:
+                    c += (lengths[i] - s) >> 2
+                score[k * 5 + i] = v + c
+            i += 1
+        k += stride
+
+
+@micropython.viper
+def _best(score: ptr16, first: int, last: int, stride: int) -> int:
+    """Index 5 k + i of the lowest score."""
+    best = 65534
+    pick = 65535
+    k = first
+    while k < last:
+        i = 0
+        while i < 5:
+            v = score[k * 5 + i]
+            if v < best:
+                best = v
+                pick = k * 5 + i
+            i += 1
+        k += stride
+    return pick
+
+
+@micropython.viper
+def _suppress(score: ptr16, ends: ptr16, count: int, at: int, radius: int):
+    """Take out the travels that end within radius of where travel `at` ends (both end discs together)."""
+    b = at * 4
+    x0 = ends[b]
+    y0 = ends[b + 1]
+    x1 = ends[b + 2]
+    y1 = ends[b + 3]
+    i = 0
+    last = count * 5
+    while i < last:
+        if score[i] < 65535:
+            b = i * 4
+            d = ends[b] - x0
+            if d < 0:
+                d = 0 - d
+            e = ends[b + 1] - y0
+            if e < 0:
+                e = 0 - e
+            d += e
+            e = ends[b + 2] - x1
+            if e < 0:
+                e = 0 - e
+            d += e
+            e = ends[b + 3] - y1
+            if e < 0:
+                e = 0 - e
+            if d + e < radius:
+                score[i] = 65535
+        i += 1
+
+
+class Avoid:
+    """Decides where to go. See docs/architecture.md for the attributes of a decision."""
+
+    def __init__(self, config):
+        self.config = config
+        self.points = Surroundings(config)
+        self.field = Field(config)
+        self.envelopes = Envelopes(config)
+        self.windows = Windows(config, _POINTS)
+        env = self.envelopes
+        self.points_x = array("h", bytes(2 * _POINTS))  # body frame, mm: for whoever looks on
+        self.points_y = array("h", bytes(2 * _POINTS))
+        self.points_window = self.windows.window
+        self.points_count = 0
+        size = 2 * _POINTS
+        self._x = array("H", bytes(size))
+        self._y = array("H", bytes(size))
+        self._mx = array("H", bytes(size))
+        self._my = array("H", bytes(size))
+        self._nx = array("H", bytes(size))  # points as seen from a node
+        self._ny = array("H", bytes(size))
+        self._nmx = array("H", bytes(size))
+        count = env.count
+        self.free_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
+        self.soft_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
+        self.block_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
+        self._score = tuple(array("H", bytes(2 * count * LENGTHS)) for _ in range(4))
+        self._free2 = array("H", bytes(2 * count))
+        self._soft2 = array("H", bytes(2 * count))
+        self._block2 = array("H", bytes(2 * count))
+        self._score2 = array("H", bytes(2 * count * LENGTHS))
+        self._sweep = array("i", [0] * JOB_FIELDS)
+        self._ends_job = array("i", [0] * 11)
+        self._weigh_job = array("i", [0] * 10)
+        self._node_variant = bytearray(_NODES)
+        self._node_at = array("H", bytes(2 * _NODES))
+        self._node_score = array("H", bytes(2 * _NODES))
+        self._nodes = 0
+        self._node = 0
+        self._n = 0
+        self._near = 0
+        self._stage = _IDLE
+        self._frames = 0
+        # The steering being driven: candidate and how it is mirrored (bit 0 left, bit 1 backward).
+        self._k = 0
+        self._variant = 0
+        # The plan: first move until travel _until, then a second.
+        self._plan = 0  # 0 none, 1 in the first move, 2 in the second
+        self._until = 0
+        self._second_k = 0
+        self._second_variant = 0
+        self._second_length = 0
+        self._ready = 0
+        self.reset_decision()
+        self.decisions = 0
+        self.period = 4  # frames
+        self.configure()
+
+    def configure(self):
+        """Take over parameters that may have been tuned."""
+        c = self.config
+        self.cruise = c.drive_cruise
+        self.look_ahead = self.envelopes.look_ahead
+        self.full_speed = c.motors_full_speed
+        self._steer_weight = c.avoid_steering_weight * self.look_ahead * 1024 // (100 * 1200)
+        self._change_weight = c.avoid_change_weight * self.look_ahead * 1024 // (100 * 1200)
+        self.windows.configure(c)
+        self._changes = c.changes
+
+    def reset_decision(self):
+        self.af = 0
+        self.ar = 0
+        self.v = 90
+        self.mode = 0
+        self.window = 0
+        self.zone = NO_ZONE
+        self.free = 0
+        self.block_x = _NO_POINT
+        self.block_y = _NO_POINT
+        self.why = reasons.WAITING
+
+    # ---- lidar frames
+
+    def frame(self, lidar, odometry, now_us):
+        """Take in one measurement frame."""
+        self.points.frame(lidar, odometry, now_us)
+        self.field.follow(odometry)
+        self._frames += 1
+        self._ready += 1
+
+    def guard(self, odometry):
+        """True if the way being driven is still free far enough to stop in. Looks at every frame."""
+        self._look(odometry)
+        free = self._current_free()
+        self.free = free
+        return free
+
+    def _look(self, odometry):
+        env = self.envelopes
+        n = self.points.view(odometry, self._x, self._y, self.look_ahead + env.half_length)
+        self._near = sort_near(self._x, self._y, n, env.half_width, env.half_length, env.margin + _BAND)
+        self._n = n
+        mirror(self._x, self._mx, n)
+        mirror(self._y, self._my, n)
+
+    def _current_free(self):
+        k = self._k
+        v = self._variant
+        self._run(v, k, k + 1, 1, 0)
+        return self.free_of[v][k]
+
+    def _run(self, variant, first, last, stride, floor):
+        """Sweep candidates first..last-1 in one variant."""
+        env = self.envelopes
+        px = self._mx if variant & 1 else self._x
+        py = self._my if variant & 2 else self._y
+        self._sweep_on(px, py, self._n, self._near, first, last, stride, floor, self.free_of[variant],
+                       self.soft_of[variant], self.block_of[variant])
+
+    def _sweep_on(self, px, py, n, near, first, last, stride, floor, free, soft, block):
+        env = self.envelopes
+        job = self._sweep
+        job[NEAR] = near
+        job[COUNT] = n
+        job[HALF_WIDTH] = env.half_width
+        job[HALF_LENGTH] = env.half_length
+        job[MARGIN] = env.margin
+        job[CAP] = self.look_ahead
+        job[FLOOR] = floor
+        job[STRIDE] = stride
+        arcs = env.arcs
+        job[FIRST_STRIP] = arcs
+        if first < arcs:
+            job[FIRST] = first
+            job[LAST] = last if last < arcs else arcs
+            sweep_arcs(px, py, job, env.consts, env.table, free, soft, block)
+        if last > arcs:
+            job[FIRST] = first if first > arcs else arcs
+            job[LAST] = last
+            job[STRIDE] = 1
+            sweep_strips(px, py, job, env.strips, free, soft, block)
+
+    # ---- worth
+
+    def _grid(self, odometry, x, y, heading):
+        """Set the score job to a body pose: x, y (mm) and heading (0.1 deg) relative to the body now."""
+        field = self.field
+        job = self._ends_job
+        a = (odometry.heading + 50) // 100
+        s = sin14(a)
+        c = cos14(a)
+        wx = (odometry.x >> 5) + ((x * c + y * s) >> 11)
+        wy = (odometry.y >> 5) + ((y * c - x * s) >> 11)
+        job[0] = ((wx - field.corner_x) & 0xFFFF ^ 0x8000) - 0x8000
+        job[1] = ((wy - field.corner_y) & 0xFFFF ^ 0x8000) - 0x8000
+        job[2] = sin14(a + heading) + 16384
+        job[3] = cos14(a + heading) + 16384
+        job[6] = field.cell
+        job[10] = field.unit
+
+    def _worth(self, variant, free, soft, score, first, last, stride, af, ar, extra):
+        env = self.envelopes
+        job = self._ends_job
+        job[4] = variant & 1
+        job[5] = variant >> 1
+        job[7] = first
+        job[8] = last
+        job[9] = stride
+        score_ends(self.field.cost, env.ends, free, env.lengths, score, job)
+        job = self._weigh_job
+        job[0] = first
+        job[1] = last
+        job[2] = stride
+        job[3] = variant
+        job[4] = af + 1800
+        job[5] = ar + 1800
+        job[6] = self.look_ahead
+        job[7] = self._steer_weight
+        job[8] = self._change_weight
+        job[9] = extra
+        _weigh(score, free, soft, env.af, env.ar, env.lengths, job)
+
+    def _here(self, odometry):
+        """Cost-to-leave of the body where it is, mm."""
+        q = self.envelopes.disc
+        a = (odometry.heading + 50) // 100
+        dx = (q * sin14(a)) >> 11
+        dy = (q * cos14(a)) >> 11
+        x = odometry.x >> 5
+        y = odometry.y >> 5
+        return (self.field.at(x + dx, y + dy) + self.field.at(x - dx, y - dy)) >> 1
+
+    # ---- the decision, slice by slice
+
+    def work(self, now_us, odometry, drive):
+        """One slice. Returns True when a decision has just been made (af, ar, v and the rest hold it)."""
+        if self.config.changes != self._changes:
+            self.configure()
+        if not self.field.ready or self._ready < 20:
+            self.field.work(odometry, self.points)
+            return False
+        stage = self._stage
+        if stage == _IDLE:
+            if self._frames < self.period:
+                self.field.work(odometry, self.points)
+                return False
+            self._frames = 0
+            self._begin(odometry)
+            if self._plan and self._follow(odometry):
+                return self._publish(drive)
+            self._stage = _RIGHT
+            return False
+        env = self.envelopes
+        if stage == _RIGHT or stage == _LEFT:
+            self._run(stage - _RIGHT, 0, env.count, 1, env.lengths[0])
+            self._stage = stage + 1
+            return False
+        if stage == _CHOOSE:
+            self._grid(odometry, 0, 0, 0)
+            for v in (0, 1):
+                self._worth(v, self.free_of[v], self.soft_of[v], self._score[v], 0, env.count, 1, self.af, self.ar, 0)
+            if self._choose_one(odometry):
+                self._stage = _IDLE
+                return self._publish(drive)
+            self._stage = _BACK_RIGHT
+            return False
+        if stage == _BACK_RIGHT or stage == _BACK_LEFT:
+            self._run(stage - _BACK_RIGHT + 2, 0, env.count, 1, env.lengths[0])
+            self._stage = stage + 1
+            return False
+        if stage == _NODE_PICK:
+            self._grid(odometry, 0, 0, 0)
+            for v in (0, 1, 2, 3):
+                self._worth(v, self.free_of[v], self.soft_of[v], self._score[v], 0, env.count, 1, self.af, self.ar, 150 if v & 2 else 0)
+            self._pick_nodes()
+            self._stage = _EXPAND if self._nodes else _SETTLE
+            return False
+        if stage == _EXPAND:
+            self._expand(odometry)
+            self._node += 1
+            if self._node >= self._nodes:
+                self._stage = _SETTLE
+            return False
+        self._stage = _IDLE
+        self._settle(odometry)
+        return self._publish(drive)
+
+    def _begin(self, odometry):
+        self._look(odometry)
+        self._urgent = self.windows.sort(self._x, self._y, self._n)
+
+    def _choose_one(self, odometry):
+        """Take the best single move if it gets on well."""
+        score0 = self._score[0]
+        score1 = self._score[1]
+        count = self.envelopes.count
+        a = _best(score0, 0, count, 1)
+        b = _best(score1, 0, count, 1)
+        value_a = score0[a] if a != _NOTHING else 65535
+        value_b = score1[b] if b != _NOTHING else 65535
+        here = self._here(odometry)
+        self._here_now = here
+        variant = 0
+        if value_b < value_a or (value_a == value_b and self._variant == 1):
+            variant = 1
+            a = b
+            value_a = value_b
+        if a == _NOTHING or value_a > here + 260:
+            return False
+        k = a // LENGTHS
+        if self.free_of[variant][k] < self.config.avoid_accept:
+            return False
+        self._plan = 0
+        self._take(variant, k)
+        self._limit = self.look_ahead
+        if k == self.envelopes.arcs:
+            self.why = reasons.ON
+        elif k > self.envelopes.arcs:
+            self.why = reasons.CRAB
+        else:
+            self.why = reasons.BEND
+        return True
+
+    def _take(self, variant, k):
+        self._variant = variant
+        self._k = k
+        env = self.envelopes
+        a = env.af[k]
+        r = env.ar[k]
+        if variant == 1:
+            a, r = -a, -r
+        elif variant == 2:
+            a, r = -r, -a
+        elif variant == 3:
+            a, r = r, a
+        self.af = a
+        self.ar = r
+        self.free = self.free_of[variant][k]
+
+    def _pick_nodes(self):
+        """The best moves, no two of which end alike."""
+        env = self.envelopes
+        n = 0
+        while n < _NODES:
+            best = 65535
+            variant = 0
+            at = 0
+            for v in (0, 1, 2, 3):
+                a = _best(self._score[v], 0, env.count, 1)
+                if a != _NOTHING and self._score[v][a] < best:
+                    best = self._score[v][a]
+                    variant = v
+                    at = a
+            if best == 65535:
+                break
+            self._node_variant[n] = variant
+            self._node_at[n] = at
+            self._node_score[n] = best
+            _suppress(self._score[variant], env.ends, env.count, at, env.look_ahead // 7)
+            n += 1
+        self._nodes = n
+        self._node = 0
+        self._best_value = 65535
+        self._best_node = 0
+
+    def _expand(self, odometry):
+        """Second moves from where a node ends."""
+        env = self.envelopes
+        v = self._node_variant[self._node]
+        at = self._node_at[self._node]
+        k = at // LENGTHS
+        t = at * 4
+        ends = env.ends
+        x = (ends[t] + ends[t + 2]) // 2 - 8192
+        y = (ends[t + 1] + ends[t + 3]) // 2 - 8192
+        turn = env.turns[at]
+        if v & 1:
+            x = -x
+            turn = -turn
+        if v & 2:
+            y = -y
+            turn = -turn
+        n = move(self._x, self._y, self._n, x, y, sin14(turn), cos14(turn), self.look_ahead + env.half_length, self._nx, self._ny)
+        near = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.margin + _BAND)
+        mirror(self._nx, self._nmx, n)
+        self._grid(odometry, x, y, turn)
+        first_af = self.af
+        a = env.af[k]
+        r = env.ar[k]
+        if v == 1:
+            a, r = -a, -r
+        elif v == 2:
+            a, r = -r, -a
+        elif v == 3:
+            a, r = r, a
+        base = self._node_score[self._node] - self._end_cost(v, at)
+        for second in (0, 1):
+            self._sweep_on(self._nmx if second else self._nx, self._ny, n, near, 0, env.count, 2, env.lengths[1], self._free2, self._soft2, self._block2)
+            stride = 2
+            self._worth(second, self._free2, self._soft2, self._score2, 0, env.arcs, 2, a, r, 60)
+            self._worth(second, self._free2, self._soft2, self._score2, env.arcs, env.count, 1, a, r, 60)
+            b = _best(self._score2, 0, env.arcs, 2)
+            c = _best(self._score2, env.arcs, env.count, 1)
+            if c != _NOTHING and (b == _NOTHING or self._score2[c] < self._score2[b]):
+                b = c
+            if b != _NOTHING:
+                value = base + self._score2[b]
+                if value < self._best_value:
+                    self._best_value = value
+                    self._best_node = self._node
+                    self._second_variant = second
+                    self._second_k = b // LENGTHS
+                    self._second_length = env.lengths[b % LENGTHS]
+
+    def _end_cost(self, v, at):
+        """Part of a node's score that is the cost-to-leave at its end: the second move's score replaces it."""
+        env = self.envelopes
+        ends = env.ends
+        t = at * 4
+        job = self._ends_job
+        total = 0
+        return self._node_cost(at, v)
+
+    def _node_cost(self, at, v):
+        env = self.envelopes
+        field = self.field
+        q = env.disc
+        job = self._ends_job
+        # _grid() has set the job to the node's pose
+        s = job[2] - 16384
+        c = job[3] - 16384
+        dx = (q * s) >> 11
+        dy = (q * c) >> 11
+        x = job[0] + field.corner_x
+        y = job[1] + field.corner_y
+        return (field.at(x + dx, y + dy) + field.at(x - dx, y - dy)) >> 1
+
+    def _settle(self, odometry):
+        """Drive the best pair of moves, or the least bad single one, or stand."""
+        env = self.envelopes
+        if self._best_value < 65535:
+            v = self._node_variant[self._best_node]
+            at = self._node_at[self._best_node]
+            self._take(v, at // LENGTHS)
+            length = env.lengths[at % LENGTHS]
+            self._plan = 1
+            self._until = odometry.travel256 + (length << 8)
+            self._limit = length
+            self.why = reasons.TURNED if v & 2 else reasons.LOOKING
+            return
+        if self._nodes:
+            v = self._node_variant[0]
+            at = self._node_at[0]
+            self._take(v, at // LENGTHS)
+            self._plan = 1
+            self._second_k = -1
+            self._until = odometry.travel256 + (env.lengths[at % LENGTHS] << 8)
+            self._limit = env.lengths[at % LENGTHS]
+            self.why = reasons.BACK if v & 2 else reasons.BEND
+            return
+        self._plan = 0
+        # Nothing of the shortest travel: whatever gives most way, if any.
+        best = 0
+        for v in (0, 1, 2, 3):
+            free = self.free_of[v]
+            for k in range(env.count):
+                if free[k] > best:
+                    best = free[k]
+                    self._variant = v
+                    self._k = k
+        if best >= 12:
+            self._take(self._variant, self._k)
+            self._limit = best - 6
+            self.why = reasons.CENTRE
+        else:
+            self._limit = 0
+            self.free = 0
+            self.why = reasons.BOXED
+
+    def _follow(self, odometry):
+        """Go on with the plan if the points still allow it. Returns False when it is over."""
+        left = ((self._until - odometry.travel256) & 0x3FFFFFF ^ 0x2000000) - 0x2000000
+        left >>= 8
+        env = self.envelopes
+        if left <= 4:
+            if self._plan == 1 and self._second_k >= 0:
+                v = self._second_variant
+                k = self._second_k
+                self._run(v, k, k + 1, 1, 0)
+                if self.free_of[v][k] >= min(self._second_length, env.lengths[1]):
+                    self._take(v, k)
+                    self._plan = 2
+                    self._until = odometry.travel256 + (self._second_length << 8)
+                    self._limit = self._second_length
+                    self.why = reasons.PLAN
+                    return True
+            self._plan = 0
+            return False
+        free = self._current_free()
+        if free < min(left, 2 * env.lengths[0]) - 10:
+            self._plan = 0
+            return False
+        self.free = free
+        self._limit = left
+        return True
+
+    def _publish(self, drive):
+        """Speed, mode and blocking point of the chosen steering."""
+        env = self.envelopes
+        v = self._variant
+        k = self._k
+        room = self.free
+        if self._limit < room:
+            room = self._limit
+        cruise = self.cruise - 90
+        # Stop within the free way: speed (mm/s) at most 60 + 2.2 * room.
+        speed = (60 + room * 22 // 10) * 90 // self.full_speed
+        if speed > cruise:
+            speed = cruise
+        if self.soft_of[v][k] < env.lengths[1] and speed > cruise * 2 // 3:
+            speed = cruise * 2 // 3
+        if speed < 4:
+            speed = 4
+        if self._limit <= 0 or room <= 0:
+            speed = 0
+        self.v = 90 - speed if v & 2 else 90 + speed
+        b = self.block_of[v][k]
+        if b == 65535:
+            self.block_x = _NO_POINT
+            self.block_y = _NO_POINT
+        else:
+            self.block_x = self._x[b] - 8192
+            self.block_y = self._y[b] - 8192
+        w = self._urgent
+        self.window = w
+        self.zone = self.windows.zone(w) if w else NO_ZONE
+        self.mode = _mode(self.af, self.ar)
+        self.decisions += 1
+        self._show()
+        return True
+
+    def halt(self, why):
+        """Something new stands in the way: stop now, decide afresh."""
+        self.v = 90
+        self.why = why
+        self._plan = 0
+        self._stage = _IDLE
+        self._frames = self.period
+        self.decisions += 1
+
+    def _show(self):
+        n = self._n
+        _unbias(self._x, self.points_x, n)
+        _unbias(self._y, self.points_y, n)
+        self.points_count = n
+
+
+@micropython.viper
+def _unbias(p: ptr16, q: ptr16, n: int):
+    i = 0
+    while i < n:
+        q[i] = (p[i] - 8192) & 0xFFFF
+        i += 1
+
+
+def _mode(af, ar):
+    """Steering mode of spec section 3."""
+    if af == ar:
+        return 7 if af == 0 else 5
+    if af == 0:
+        return 2
+    if ar == 0:
+        return 3
+    if af == 900 and ar == -900 or af == -900 and ar == 900:
+        return 4
+    return 1 if af * ar < 0 else 6
