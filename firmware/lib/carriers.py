@@ -1,0 +1,243 @@
+"""What carries the telemetry frames: the USB serial line and UDP. Neither ever makes the loop wait.
+
+A carrier has
+    decoder                         the frames it receives
+    signed                          True when commands must carry a tag
+    busy                            True when someone listens (always, on the cable)
+    update(now_us)                  take in and give out what can be without waiting
+    send(encoder, size, now_us)     True when the frame was taken or nobody listens; False when it had to be dropped
+    heard(now_us)                   what was received last was a valid command
+"""
+
+import select
+import sys
+from time import ticks_diff
+
+import micropython
+from micropython import const
+
+from telemetry import Decoder, copy
+
+_COMMAND = const(200)  # longest payload of a command
+
+_CTRL_C = const(3)
+_STALE_US = const(200_000)  # a frame from USB that is not whole by then never will be
+_RING = const(3072)
+_BLOCK = const(64)
+_FIFO = const(120)
+
+_LISTENS_US = const(3_000_000)
+_JOIN_US = const(500_000)
+
+
+class SerialLine:
+    """The USB serial line of the board: standard input and output.
+
+    source, sink: objects with `buffer`, as sys.stdin and sys.stdout, the default.
+    rate: bytes a second the line takes. Output goes out in portions the line's FIFO has room for by now, because a write to a full FIFO
+    waits.
+
+    Ctrl-C is a byte like any other inside a frame, so it is taken out of the interpreter's hands; outside frames it still raises
+    KeyboardInterrupt, from `update`.
+    """
+
+    signed = False
+    busy = True
+
+    def __init__(self, source=None, sink=None, rate=11520):
+        source = source or sys.stdin
+        # CPython's buffered reader would take bytes that select then no longer sees.
+        self._source = getattr(source.buffer, "raw", source.buffer)
+        self._sink = (sink or sys.stdout).buffer
+        self._flush = getattr(self._sink, "flush", None)
+        self._rate = rate
+        poller = select.poll()
+        poller.register(source, select.POLLIN)
+        self._ready = getattr(poller, "ipoll", poller.poll)  # poll makes a list at each call
+        self._open = True
+        self._one = bytearray(1)
+        self._interrupt = False
+        self.decoder = Decoder(_COMMAND, self._stray)
+        self._begun_us = 0
+
+        self._ring = bytearray(_RING)
+        self._block = bytearray(_BLOCK)
+        self._views = [memoryview(self._block)[:count] for count in range(_BLOCK + 1)]
+        self._head = 0
+        self._used = 0
+        self._credit = _FIFO
+        self._last_us = 0
+        micropython.kbd_intr(-1)
+
+    def close(self):
+        """Give Ctrl-C back to the interpreter."""
+        micropython.kbd_intr(_CTRL_C)
+
+    def send(self, encoder, size, now_us):
+        """Queue a frame; False when there is no room for all of it."""
+        if size > _RING - self._used:
+            return False
+        at = (self._head + self._used) % _RING
+        first = min(size, _RING - at)
+        copy(encoder.data, 0, first, self._ring, at)
+        copy(encoder.data, first, size - first, self._ring, 0)
+        self._used += size
+        return True
+
+    def heard(self, now_us):
+        """Nothing to do: the cable has one end."""
+
+    def update(self, now_us):
+        """Write what the line has room for, read what has come. KeyboardInterrupt after a Ctrl-C."""
+        if self._used:
+            self._write(now_us)
+        if self._open:
+            self._read(now_us)
+        if self._interrupt:
+            self._interrupt = False
+            raise KeyboardInterrupt
+
+    def _write(self, now_us):
+        elapsed = min(max(ticks_diff(now_us, self._last_us), 0), 50_000)
+        gained = elapsed * (self._rate // 10) // 100_000
+        if gained:
+            self._last_us = now_us
+            self._credit = min(self._credit + gained, _FIFO)
+        while self._used and self._credit:
+            count = min(self._used, self._credit, _BLOCK, _RING - self._head)
+            copy(self._ring, self._head, count, self._block, 0)
+            self._sink.write(self._views[count])
+            self._head = (self._head + count) % _RING
+            self._used -= count
+            self._credit -= count
+        if self._flush is not None:
+            self._flush()
+
+    def _read(self, now_us):
+        decoder = self.decoder
+        if not decoder.waiting():
+            self._begun_us = now_us
+        elif ticks_diff(now_us, self._begun_us) > _STALE_US:
+            decoder.clear()
+        count = min(decoder.room(), _BLOCK)
+        while count:
+            ready = False
+            for _ in self._ready(0):
+                ready = True
+            if not ready:
+                return
+            # One byte at a time: on the board a longer read would wait until all of it has come.
+            if not self._source.readinto(self._one):
+                self._open = False  # the other end is closed for good
+                return
+            decoder.feed(self._one, 0, 1)
+            count -= 1
+
+    def _stray(self, byte):
+        if byte == _CTRL_C:
+            self._interrupt = True
+
+
+class Datagrams:
+    """UDP over WiFi. Frames go to whoever sent the last valid command, for 3 s after it; hellos go to everyone.
+
+    wlan: a started network.WLAN, or anything with `isconnected()`; sockets: the socket module; port: where the robot listens.
+    """
+
+    signed = True
+
+    def __init__(self, wlan, sockets, port):
+        self._wlan = wlan
+        self._sockets = sockets
+        self._port = port
+        self._socket = None
+        self._ready = None
+        self._everyone = None
+        self._from = None
+        self._peer = None
+        self._peer_us = 0
+        self._asked_us = None
+        self.busy = False
+        self.decoder = Decoder(_COMMAND)
+
+    def update(self, now_us):
+        """Open the socket once the network is there; take in one datagram."""
+        if self._socket is None:
+            if self._asked_us is None or ticks_diff(now_us, self._asked_us) > _JOIN_US:
+                self._asked_us = now_us
+                if self._wlan.isconnected():
+                    self._bind()
+            return
+        if self.busy and ticks_diff(now_us, self._peer_us) > _LISTENS_US:
+            self.busy = False
+        decoder = self.decoder
+        decoder.clear()  # a frame never spans two datagrams
+        for _ in self._ready(0):
+            try:
+                data, self._from = self._socket.recvfrom(256)
+            except OSError:
+                continue
+            decoder.feed(data, 0, min(len(data), decoder.room()))
+
+    def heard(self, now_us):
+        """Whoever sent the last datagram is the one to send to."""
+        self._peer = self._from
+        self._peer_us = now_us
+        self.busy = True
+
+    def send(self, encoder, size, now_us):
+        """Send a frame; False when the radio had no buffer left, as happens when it is busy or the other end sleeps."""
+        return not self.busy or self._send(encoder, size, self._peer)
+
+    def announce(self, encoder, size):
+        """Send a frame to everyone in the network."""
+        return self._socket is None or self._send(encoder, size, self._everyone)
+
+    def close(self):
+        """Close the socket; the radio stays as it is."""
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+
+    def _send(self, encoder, size, address):
+        try:
+            self._socket.sendto(encoder.datagram(size), address)
+        except OSError:  # ENOMEM, ETIMEDOUT, or the network is gone for now: all pass
+            return False
+        return True
+
+    def _bind(self):
+        sockets = self._sockets
+        try:
+            bound = sockets.socket(sockets.AF_INET, sockets.SOCK_DGRAM)
+            bound.setsockopt(sockets.SOL_SOCKET, getattr(sockets, "SO_BROADCAST", 0x20), 1)
+            bound.bind(sockets.getaddrinfo("0.0.0.0", self._port)[0][-1])
+            bound.setblocking(False)
+            self._everyone = sockets.getaddrinfo("255.255.255.255", self._port + 1)[0][-1]
+        except OSError:
+            return  # no memory for it yet; the next try comes soon
+        poller = select.poll()
+        poller.register(bound, select.POLLIN)
+        self._ready = getattr(poller, "ipoll", poller.poll)
+        self._socket = bound
+
+
+def start_radio(config, network):
+    """Switch WiFi on as a station or an access point and return the WLAN; it joins by itself, without waiting.
+
+    config: wifi_ssid, wifi_password, wifi_access_point (True: be the network instead of joining it). Call it early: the radio's memory must be
+    there before the heap grows into it.
+    """
+    if config.wifi_access_point:
+        wlan = network.WLAN(network.AP_IF)
+        wlan.active(True)
+        if config.wifi_password:
+            wlan.config(ssid=config.wifi_ssid, key=config.wifi_password, security=network.AUTH_WPA2_PSK)
+        else:
+            wlan.config(ssid=config.wifi_ssid)
+    else:
+        wlan = network.WLAN(network.STA_IF)
+        wlan.active(True)
+        wlan.connect(config.wifi_ssid, config.wifi_password)
+    wlan.config(pm=network.WLAN.PM_NONE)  # sleeping between beacons would delay commands by up to half a second
+    return wlan

@@ -1,0 +1,176 @@
+"""The robot's link to people: says what it does, hears what they want, over USB and, if there are credentials, over WiFi.
+
+    link = Link(config, identity, names, carriers, session, key)
+    link.update(now_us, robot)        once a loop; never waits, at most one message a call and carrier
+    link.frame(lidar)                 after each frame of the lidar
+    link.state, link.af, link.ar, link.v    what is asked for: telemetry.STOPPED, AUTO, MANUAL; AF, AR (0.1 deg) and V count in MANUAL
+
+robot has
+    avoid, drive, odometry, lidar, health     as in docs/architecture.md
+    took_us                          computing time that went into the latest decision
+    tune(key, value), keep(), trim(wheel, angle)     which raise ValueError with a text for the person who asked
+
+Frames that a slow carrier cannot take are dropped and counted.
+"""
+
+from time import ticks_diff
+
+from micropython import const
+
+import telemetry
+from commands import Commands
+from report import Report, ScanGatherer
+from telemetry import Encoder
+
+# How often each message goes out. Together they keep within half of what the USB line carries, scans not counted.
+_WHEELS_US = const(50_000)
+_POINTS_US = const(150_000)
+_HEALTH_US = const(500_000)
+_HELLO_US = const(1_000_000)
+_NAMES_HELLOS = const(8)
+
+
+class Link:
+    """See above. carriers: list of SerialLine and Datagrams."""
+
+    def __init__(self, config, identity, names, carriers, session, key=None):
+        self._carriers = carriers
+        self._session = session
+        self._commands = Commands(session, key)
+        self._encoder = Encoder()
+        self._report = Report(self._encoder, identity, names)
+        self._scan = ScanGatherer(config.lidar_frames)
+        self._config = config
+        self.dropped = 0
+        self.radio = any(carrier.signed for carrier in carriers)
+        self._decisions = -1
+        self._wheels_us = self._points_us = self._health_us = self._hello_us = None
+        self._pose_next = False
+        self._points_of = -1
+        self._hellos = 0
+        self._names_due = True
+        self._logs = []
+
+    @property
+    def state(self):
+        return self._commands.state
+
+    @property
+    def manual(self):
+        """True while the robot is driven by hand."""
+        return self._commands.state == telemetry.MANUAL
+
+    @property
+    def af(self):
+        return self._commands.af
+
+    @property
+    def ar(self):
+        return self._commands.ar
+
+    @property
+    def v(self):
+        return self._commands.v
+
+    def stop(self):
+        """Stand until told otherwise, as after the command to stop."""
+        self._commands.stop()
+
+    def drive_itself(self):
+        """Drive on its own, as after the command."""
+        self._commands.state = telemetry.AUTO
+
+    def log(self, level, text):
+        """Queue a line for the log: level 0 information, 1 warning, 2 error; text a str. Allocates; not for every loop."""
+        if len(self._logs) < 8:
+            self._logs.append((level, text.encode()))
+        else:
+            self.dropped += 1
+
+    def frame(self, lidar):
+        """Take note of a lidar frame, for those who want raw scans."""
+        if self._commands.watch & 1:
+            self._scan.add(lidar)
+
+    def update(self, now_us, robot):
+        """Hear commands, send one message. KeyboardInterrupt after a Ctrl-C on USB."""
+        commands = self._commands
+        listened = False
+        for carrier in self._carriers:
+            carrier.update(now_us)
+            listened = listened or carrier.busy
+            decoder = carrier.decoder
+            while decoder.take():
+                if commands.obey(decoder, carrier.signed, now_us, robot):
+                    carrier.heard(now_us)
+                    self._send_to(carrier, self._report.reply(commands), now_us)
+        commands.expire(now_us)
+        if self._due(now_us, self._hello_us, _HELLO_US) or commands.greeted:
+            self._hello(now_us)
+        elif listened:
+            size = self._next(now_us, robot)
+            if size:
+                self._send(size, now_us)
+
+    def close(self):
+        """Give the carriers back, Ctrl-C among them."""
+        for carrier in self._carriers:
+            carrier.close()
+
+    def _next(self, now_us, robot):
+        """Compose the most urgent message that is due; 0 when none is."""
+        report, commands = self._report, self._commands
+        avoid = robot.avoid
+        if avoid.decisions != self._decisions:
+            self._decisions = avoid.decisions
+            return report.decision(avoid, commands.state, now_us, robot.took_us)
+        if self._due(now_us, self._wheels_us, _WHEELS_US):
+            self._wheels_us = now_us
+            self._pose_next = True
+            return report.wheels(robot.drive, now_us)
+        if self._pose_next:
+            self._pose_next = False
+            return report.pose(robot.odometry, now_us)
+        if self._due(now_us, self._points_us, _POINTS_US) and self._points_of != self._decisions:
+            self._points_us = now_us
+            self._points_of = self._decisions
+            return report.points(avoid, now_us)
+        if self._scan.ready:
+            return self._scan.take(self._encoder)
+        if self._due(now_us, self._health_us, _HEALTH_US):
+            self._health_us = now_us
+            return report.health(robot.health, robot.lidar, self.dropped, commands.refused, self.radio)
+        if self._names_due:
+            self._names_due = False
+            return report.names()
+        if self._logs:
+            level, text = self._logs.pop(0)
+            return report.log(level, text)
+        if commands.listing >= 0:
+            number = commands.listing
+            commands.listing = number + 1 if number + 1 < len(self._config.live) else -1
+            return report.parameter(self._config, number)
+        return 0
+
+    def _hello(self, now_us):
+        self._hello_us = now_us
+        self._hellos += 1
+        if self._commands.greeted or self._hellos % _NAMES_HELLOS == 0:
+            self._names_due = True
+        self._commands.greeted = False
+        size = self._report.hello(self._session, self._commands.counter)
+        for carrier in self._carriers:
+            if carrier.signed:
+                carrier.announce(self._encoder, size)
+            self._send_to(carrier, size, now_us)
+
+    def _send(self, size, now_us):
+        for carrier in self._carriers:
+            self._send_to(carrier, size, now_us)
+
+    def _send_to(self, carrier, size, now_us):
+        if not carrier.send(self._encoder, size, now_us):
+            self.dropped += 1
+
+    def _due(self, now_us, last_us, period_us):
+        return last_us is None or ticks_diff(now_us, last_us) >= period_us

@@ -1,0 +1,143 @@
+"""What the robot tells of itself, message by message. Reads the parts of the robot, changes none; allocates nothing except for PARAMETER."""
+
+import json
+import struct
+
+import telemetry
+from telemetry import HEADER, TIME_MASK, copy
+
+_DECISION_SIZE = struct.calcsize(telemetry.DECISION_FORMAT)
+_WHEELS_SIZE = struct.calcsize(telemetry.WHEELS_FORMAT)
+_POINTS_SIZE = struct.calcsize(telemetry.POINTS_FORMAT)
+_POINTS_MOST = (telemetry.MAX_PAYLOAD - _POINTS_SIZE) // 5
+_SCAN_SIZE = struct.calcsize(telemetry.SCAN_FORMAT)
+_HEALTH_SIZE = struct.calcsize(telemetry.HEALTH_FORMAT)
+_POSE_SIZE = struct.calcsize(telemetry.POSE_FORMAT)
+_HELLO_SIZE = struct.calcsize(telemetry.HELLO_FORMAT)
+_REPLY_SIZE = struct.calcsize(telemetry.REPLY_FORMAT)
+
+
+class Report:
+    """Composes messages in `encoder`; each method returns the size of the frame."""
+
+    def __init__(self, encoder, identity, names):
+        """identity: dict of the HELLO's JSON; names: dict of the NAMES' JSON."""
+        self._encoder = encoder
+        self._identity = json.dumps(identity).encode()
+        self._names = json.dumps(names).encode()
+        if len(self._identity) + _HELLO_SIZE > encoder.room or len(self._names) > encoder.room:
+            raise ValueError("HELLO or NAMES does not fit a frame of %d bytes: shorten the robot's name or the texts of reasons.py" % encoder.room)
+
+    def hello(self, session, counter):
+        data = self._encoder.data
+        struct.pack_into(telemetry.HELLO_FORMAT, data, HEADER, session, counter)
+        return self._text(telemetry.HELLO, _HELLO_SIZE, self._identity)
+
+    def names(self):
+        return self._text(telemetry.NAMES, 0, self._names)
+
+    def reply(self, commands):
+        """commands: a Commands, whose reply is due."""
+        struct.pack_into(
+            telemetry.REPLY_FORMAT, self._encoder.data, HEADER, commands.reply_counter, commands.reply_kind, commands.reply_status
+        )
+        return self._text(telemetry.REPLY, _REPLY_SIZE, commands.reply_text)
+
+    def log(self, level, text):
+        """text: bytes, UTF-8; what does not fit is cut off."""
+        self._encoder.data[HEADER] = level
+        return self._text(telemetry.LOG, 1, text)
+
+    def decision(self, avoid, state, now_us, took_us):
+        """took_us: computing time that went into the decision."""
+        struct.pack_into(
+            telemetry.DECISION_FORMAT, self._encoder.data, HEADER, avoid.decisions, now_us & TIME_MASK, state, avoid.mode, avoid.af, avoid.ar,
+            avoid.v, avoid.window, avoid.zone, avoid.free, avoid.block_x, avoid.block_y, avoid.why, took_us,
+        )  # fmt: skip
+        return self._encoder.seal(telemetry.DECISION, _DECISION_SIZE)
+
+    def wheels(self, drive, now_us):
+        data = self._encoder.data
+        steering = drive.steering
+        count = 2 * steering.n
+        struct.pack_into(
+            telemetry.WHEELS_FORMAT, data, HEADER, now_us & TIME_MASK, drive.af, drive.ar, drive.v256, steering.folded, count
+        )
+        at = HEADER + _WHEELS_SIZE
+        copy(steering.angles, 0, 2 * count, data, at)
+        copy(steering.shares, 0, 2 * count, data, at + 2 * count)
+        return self._encoder.seal(telemetry.WHEELS, _WHEELS_SIZE + 4 * count)
+
+    def points(self, avoid, now_us):
+        data = self._encoder.data
+        count = min(avoid.points_count, _POINTS_MOST)
+        struct.pack_into(telemetry.POINTS_FORMAT, data, HEADER, now_us & TIME_MASK, count)
+        at = HEADER + _POINTS_SIZE
+        copy(avoid.points_x, 0, 2 * count, data, at)
+        copy(avoid.points_y, 0, 2 * count, data, at + 2 * count)
+        copy(avoid.points_window, 0, count, data, at + 4 * count)
+        return self._encoder.seal(telemetry.POINTS, _POINTS_SIZE + 5 * count)
+
+    def pose(self, odometry, now_us):
+        struct.pack_into(telemetry.POSE_FORMAT, self._encoder.data, HEADER, now_us & TIME_MASK, odometry.x, odometry.y, odometry.heading)
+        return self._encoder.seal(telemetry.POSE, _POSE_SIZE)
+
+    def health(self, health, lidar, dropped, refused, radio):
+        flags = lidar.ok | health.chips << 1 | radio << 2
+        struct.pack_into(
+            telemetry.HEALTH_FORMAT, self._encoder.data, HEADER, health.uptime_ms, health.heap_free, health.worst_us, health.battery_mv,
+            lidar.speed20, flags, health.fault, lidar.frames, lidar.errors, lidar.speed_faults, dropped, refused,
+        )  # fmt: skip
+        return self._encoder.seal(telemetry.HEALTH, _HEALTH_SIZE)
+
+    def parameter(self, config, number):
+        """PARAMETER for row `number` of config.live. Allocates."""
+        key, _, default, low, high, unit, meaning = config.live[number]
+        text = json.dumps(
+            {"key": key, "value": config.get(key), "default": default, "low": low, "high": high, "unit": unit, "meaning": meaning, "number": number}
+        ).encode()
+        return self._text(telemetry.PARAMETER, 0, text)
+
+    def _text(self, kind, before, text):
+        count = min(len(text), self._encoder.room - before)
+        copy(text, 0, count, self._encoder.data, HEADER + before)
+        return self._encoder.seal(kind, before + count)
+
+
+class ScanGatherer:
+    """Gathers lidar frames into one SCAN message: a whole turn, or as much of it as fits a frame."""
+
+    def __init__(self, frames_a_turn):
+        self._turn = frames_a_turn
+        self._data = bytearray(telemetry.MAX_PAYLOAD)
+        self._used = 0
+        self._frames = 0
+        self.ready = False
+
+    def add(self, lidar):
+        """Take in the frame the lidar has just delivered; what was ready and not taken gives way."""
+        count = lidar.n
+        size = _SCAN_SIZE + 2 * count
+        if self.ready:
+            self._used = self._frames = 0
+            self.ready = False
+        if not count or self._used + size > telemetry.MAX_PAYLOAD:
+            return
+        data = self._data
+        at = self._used
+        struct.pack_into(
+            telemetry.SCAN_FORMAT, data, at, lidar.frame_us & TIME_MASK, lidar.bearings[0], lidar.bearings[count - 1], count
+        )
+        copy(lidar.distances, 0, 2 * count, data, at + _SCAN_SIZE)
+        self._used = at + size
+        self._frames += 1
+        # The next frame will be about as long as this one.
+        self.ready = self._frames == self._turn or self._used + size > telemetry.MAX_PAYLOAD
+
+    def take(self, encoder):
+        """Put what is ready into a SCAN frame; returns its size."""
+        size = self._used
+        copy(self._data, 0, size, encoder.data, HEADER)
+        self._used = self._frames = 0
+        self.ready = False
+        return encoder.seal(telemetry.SCAN, size)

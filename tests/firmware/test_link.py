@@ -1,0 +1,322 @@
+"""link.py and commands.py: who may drive, when driving by hand ends, and what the robot tells."""
+
+import json
+import struct
+from array import array
+
+import micropython
+import telemetry
+from auth import tag
+from link import Link
+from telemetry import Decoder, copy, decode, frame
+
+SESSION = b"sessions"
+KEY = b"k" * 32
+
+
+class Config:
+    lidar_frames = 16
+    live = (("avoid.margin", "int", 15, 0, 100, "mm", "clearance kept to every point"), ("b", "int", 1, 0, 2, "", "another"))
+
+    def get(self, key):
+        return 15
+
+
+class Steering:
+    n = 5
+    angles = array("h", range(-5, 5))
+    shares = array("h", [16384] * 10)
+    folded = 3
+
+
+class Part:
+    """Everything the link reads of the other parts of the robot."""
+
+    decisions = 0
+    mode, af, ar, v, window, zone, free, block_x, block_y, why = 1, -300, 300, 108, 4, 1, 512, 10, -20, 2
+    points_x = array("h", [100, -200, 300])
+    points_y = array("h", [-1, 2, -3])
+    points_window = bytearray([1, 2, 3])
+    points_count = 3
+    v256 = -4608
+    steering = Steering
+    x, y, heading = -256, 512, 359999
+    ok = True
+    speed20 = 120
+    frames, errors, speed_faults = 1000, 2, 3
+    chips, uptime_ms, heap_free, worst_us, battery_mv, fault = True, 5000, 60000, 4000, 7400, 0
+    n = 38
+    frame_us = 77
+    bearings = array("H", range(0, 38))
+    distances = array("H", [4000] * 38)
+
+
+class Robot:
+    took_us = 1234
+
+    def __init__(self):
+        self.avoid = self.drive = self.odometry = self.health = self.lidar = Part()
+        self.tuned = []
+
+    def tune(self, key, value):
+        if key != "avoid.margin":
+            raise ValueError("unknown key %s" % key)
+        self.tuned.append((key, value))
+
+    def keep(self):
+        self.tuned.append("kept")
+
+    def trim(self, wheel, angle):
+        self.tuned.append((wheel, angle))
+
+
+class Line:
+    """A carrier in memory."""
+
+    busy = True
+
+    def __init__(self, signed=False):
+        self.signed = signed
+        self.decoder = Decoder(200)
+        self.out = bytearray(60_000)
+        self.used = 0
+        self.full = False
+        self.announced = 0
+        self.valid = 0
+
+    def update(self, now_us):
+        pass
+
+    def send(self, encoder, size, now_us):
+        if self.full:
+            return False
+        copy(encoder.data, 0, size, self.out, self.used)
+        self.used += size
+        return True
+
+    def announce(self, encoder, size):
+        self.announced += 1
+
+    def heard(self, now_us):
+        self.valid += 1
+
+    def close(self):
+        pass
+
+    def receive(self, data):
+        self.decoder.room()
+        self.decoder.feed(data, 0, len(data))
+
+    def sent(self):
+        found = decode(bytes(self.out[: self.used]))
+        self.used = 0
+        return found
+
+
+def make(signed=False, key=KEY):
+    line = Line(signed)
+    link = Link(Config(), {"firmware": "1"}, {"reasons": ["a"]}, [line], SESSION, key)
+    return link, line, Robot()
+
+
+def drive(counter, what, af=0, ar=0, v=90):
+    return frame(telemetry.DRIVE, struct.pack(telemetry.DRIVE_FORMAT, counter, what, af, ar, v))
+
+
+def sign(plain, key=KEY, session=SESSION):
+    kind, sequence, payload = decode(plain)[0]
+    body = struct.pack("<BBHH", 1, kind, sequence, len(payload) + 8) + payload
+    return frame(kind, payload + tag(key, session, body), sequence)
+
+
+def run(link, line, robot, start=0, stop=1_000_000, step=5000):
+    """Messages sent between two times, as {type: [payload]}."""
+    for now in range(start, stop, step):
+        link.update(now, robot)
+    kinds = {}
+    for kind, _, payload in line.sent():
+        kinds.setdefault(kind, []).append(payload)
+    return kinds
+
+
+def test_everything_due_is_told():
+    link, line, robot = make()
+    robot.avoid.decisions = 7
+    kinds = run(link, line, robot)
+    hello = kinds[telemetry.HELLO][0]
+    assert struct.unpack_from(telemetry.HELLO_FORMAT, hello) == (SESSION, 0) and json.loads(hello[12:]) == {"firmware": "1"}
+    assert json.loads(kinds[telemetry.NAMES][0]) == {"reasons": ["a"]}
+    decision = struct.unpack(telemetry.DECISION_FORMAT, kinds[telemetry.DECISION][0])
+    assert decision[0] == 7 and decision[2:] == (telemetry.AUTO, 1, -300, 300, 108, 4, 1, 512, 10, -20, 2, 1234)
+    assert 18 <= len(kinds[telemetry.WHEELS]) <= 20 and len(kinds[telemetry.HEALTH]) == 2
+    wheels = kinds[telemetry.WHEELS][0]
+    assert struct.unpack_from(telemetry.WHEELS_FORMAT, wheels)[1:] == (-300, 300, -4608, 3, 10)
+    assert struct.unpack_from("<20h", wheels, 15) == tuple(range(-5, 5)) + (16384,) * 10
+    assert struct.unpack_from("<3h3h3B", kinds[telemetry.POINTS][0], 6) == (100, -200, 300, -1, 2, -3, 1, 2, 3)
+    assert struct.unpack(telemetry.POSE_FORMAT, kinds[telemetry.POSE][0])[1:] == (-256, 512, 359999)
+    health = struct.unpack(telemetry.HEALTH_FORMAT, kinds[telemetry.HEALTH][0])
+    assert health == (5000, 60000, 4000, 7400, 120, 3, 0, 1000, 2, 3, 0, 0)
+
+
+def test_one_decision_is_told_once():
+    link, line, robot = make()
+    robot.avoid.decisions = 1
+    assert len(run(link, line, robot)[telemetry.DECISION]) == 1
+
+
+def test_a_full_line_drops_and_counts():
+    link, line, robot = make()
+    line.full = True
+    run(link, line, robot)
+    assert link.dropped > 30
+
+
+def test_driving_by_hand_ends_within_300_ms():
+    link, line, robot = make()
+    assert link.state == telemetry.AUTO
+    line.receive(drive(1, telemetry.MANUAL, -100, 200, 120))
+    link.update(0, robot)
+    assert (link.manual, link.af, link.ar, link.v) == (True, -100, 200, 120)
+    link.update(200_000, robot)
+    assert link.manual
+    line.receive(drive(2, telemetry.MANUAL, 0, 0, 120))
+    link.update(240_000, robot)
+    link.update(485_000, robot)
+    assert link.manual
+    link.update(500_000, robot)
+    assert link.state == telemetry.STOPPED and link.v == 90
+    line.receive(drive(3, telemetry.AUTO))
+    link.update(600_000, robot)
+    assert link.state == telemetry.AUTO
+
+
+def test_stop_stays_stop():
+    link, line, robot = make()
+    line.receive(drive(1, telemetry.STOPPED))
+    run(link, line, robot)
+    assert link.state == telemetry.STOPPED
+
+
+def test_what_cannot_be_is_refused_with_a_text():
+    link, line, robot = make()
+    line.receive(drive(5, telemetry.MANUAL, 1000, 0, 120))
+    link.update(0, robot)
+    (reply,) = run(link, line, robot)[telemetry.REPLY]
+    assert struct.unpack_from(telemetry.REPLY_FORMAT, reply) == (5, telemetry.DRIVE, telemetry.REFUSED) and b"AF 1000" in reply
+    for payload in (b"\1\0\0\0", b"\1\0\0\0avoid.margin", b"\1\0\0\0avoid.margin=x", b"\1\0\0\0other=1"):
+        line.receive(frame(telemetry.TUNE, payload))
+        link.update(0, robot)
+    line.receive(drive(6, 9) + frame(telemetry.DRIVE, b"\1\0\0\0"))
+    link.update(0, robot)
+    replies = run(link, line, robot)[telemetry.REPLY]
+    assert len(replies) == 6 and all(reply[5] == telemetry.REFUSED for reply in replies)
+    assert robot.tuned == [] and link.state == telemetry.AUTO
+
+
+def test_tune_keep_trim_and_list():
+    link, line, robot = make()
+    line.receive(frame(telemetry.TUNE, b"\1\0\0\0avoid.margin=20") + frame(telemetry.KEEP, b"\2\0\0\0"))
+    line.receive(frame(telemetry.TRIM, struct.pack(telemetry.TRIM_FORMAT, 3, 4, -25)) + frame(telemetry.LIST, b"\4\0\0\0"))
+    kinds = run(link, line, robot)
+    assert robot.tuned == [("avoid.margin", 20), "kept", (4, -25)]
+    parameters = [json.loads(payload) for payload in kinds[telemetry.PARAMETER]]
+    assert [row["key"] for row in parameters] == ["avoid.margin", "b"] and parameters[0]["high"] == 100
+
+
+def test_scans_on_request():
+    link, line, robot = make()
+    for _ in range(20):
+        link.frame(robot.lidar)
+    assert telemetry.SCAN not in run(link, line, robot)
+    line.receive(frame(telemetry.WATCH, b"\1\0\0\0\1"))
+    link.update(1_000_000, robot)
+    for _ in range(16):
+        link.frame(robot.lidar)
+    (scan,) = run(link, line, robot, 1_000_000, 2_000_000)[telemetry.SCAN]
+    assert len(scan) == 16 * (9 + 2 * 38)
+    assert struct.unpack_from(telemetry.SCAN_FORMAT, scan) == (77, 0, 37, 38)
+
+
+def test_log_lines():
+    link, line, robot = make()
+    link.log(1, "battery low")
+    assert run(link, line, robot)[telemetry.LOG] == [b"\1battery low"]
+
+
+def test_signed_commands_only():
+    link, line, robot = make(signed=True)
+    for data in (
+        drive(1, telemetry.STOPPED),
+        sign(drive(2, telemetry.STOPPED), key=b"x" * 32),
+        sign(drive(3, telemetry.STOPPED), session=b"another."),
+        sign(drive(4, telemetry.STOPPED))[:-3] + b"123",
+    ):
+        line.receive(data)
+        link.update(0, robot)
+        assert link.state == telemetry.AUTO and line.valid == 0
+    line.receive(sign(drive(5, telemetry.STOPPED)))
+    link.update(0, robot)
+    assert link.state == telemetry.STOPPED and line.valid == 1
+
+
+def test_a_repeated_command_moves_nothing_but_an_old_stop_stops():
+    link, line, robot = make(signed=True)
+    stop, go = sign(drive(1, telemetry.STOPPED)), sign(drive(2, telemetry.AUTO))
+    line.receive(go)
+    link.update(0, robot)
+    line.receive(stop)
+    link.update(0, robot)
+    assert link.state == telemetry.STOPPED
+    line.receive(go)
+    link.update(0, robot)
+    assert link.state == telemetry.STOPPED and line.valid == 1
+
+
+def test_any_bit_of_a_signed_command_counts():
+    good = sign(drive(1, telemetry.MANUAL, 10, 20, 120))
+    for at in range(len(good)):
+        link, line, robot = make(signed=True)
+        broken = bytearray(good)
+        broken[at] ^= 4
+        # even with the check made right again
+        kind, sequence, length = struct.unpack_from("<BHH", broken, 3)
+        line.receive(bytes(broken))
+        line.receive(frame(kind, bytes(broken[8:-2]), sequence))
+        link.update(0, robot)
+        genuine = 8 <= at < len(good) - 2 or 3 <= at < 6
+        assert not link.manual or not genuine, at
+
+
+def test_without_a_key_no_signed_command_counts():
+    link, line, robot = make(signed=True, key=None)
+    line.receive(sign(drive(1, telemetry.STOPPED)))
+    link.update(0, robot)
+    assert link.state == telemetry.AUTO
+
+
+def test_hello_tells_the_counter():
+    link, line, robot = make(signed=True)
+    line.receive(sign(drive(41, telemetry.AUTO)))
+    link.update(0, robot)
+    hello = run(link, line, robot, 1_000_000, 1_100_000)[telemetry.HELLO][0]
+    assert struct.unpack_from(telemetry.HELLO_FORMAT, hello) == (SESSION, 41) and line.announced >= 2
+
+
+def test_telling_allocates_nothing():
+    link, line, robot = make()
+    line.receive(frame(telemetry.WATCH, b"\1\0\0\0\1"))
+    for now in range(0, 300_000, 5000):
+        link.update(now, robot)
+    part = robot.avoid
+    part.decisions = 1  # an attribute of its own, made before the heap is locked
+    micropython.heap_lock()
+    try:
+        now = 300_000
+        while now < 900_000:
+            part.decisions += 1
+            link.frame(part)
+            link.update(now, robot)
+            now += 5000
+    finally:
+        micropython.heap_unlock()
+    assert len(line.sent()) > 60
