@@ -76,7 +76,7 @@ class PCA9685:
         self.address = address
         self.channels = channels
         self.prescale = min(max((oscillator + 2048 * frequency) // (4096 * frequency) - 1, 3), 255)
-        self._oscillator_khz = (oscillator + 500) // 1000
+        self._oscillator = oscillator
         self._i2c = i2c
         self._absent = "PCA9685 at 0x%02x does not answer: check its power, SDA, SCL and address jumpers" % address
         self._image = bytearray(1 + 4 * channels)
@@ -96,10 +96,10 @@ class PCA9685:
             self._send(registers)
         time.sleep_us(_OSCILLATOR_START_US)
 
-    def counts(self, us):
-        """Width of a pulse in counts of 1/4096 period, rounded; us: int, 0 .. 20000."""
-        scale = 1000 * (self.prescale + 1)
-        return (us * self._oscillator_khz + scale // 2) // scale
+    def counts(self, us, parts=1):
+        """Width of a pulse of `us` microseconds in counts of 1/4096 period, or in so many parts of a count; int, rounded."""
+        scale = 1000000 * (self.prescale + 1)
+        return (us * self._oscillator * parts + scale // 2) // scale
 
     def load(self, counts):
         """Take array('H') of counts, one for each channel in use, 0 = off .. 4096 = on, into the image; True if it differs from before."""

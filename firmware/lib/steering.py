@@ -3,7 +3,7 @@
 The virtual wheels sit at the middle of the first and of the last axle and are turned by AF and AR. They fix one rigid motion of the body,
 and every wheel stands across the line from the turning centre to it, so that no wheel skids.
 
-Body frame: origin midway between the first and the last axle, x right, y forward, mm; angles in 0.1 deg, clockwise positive.
+Axle frame: origin midway between the first and the last axle, x right, y forward, mm; angles in 0.1 deg, clockwise positive.
 Source: papers A (1)-(12) and B (1)-(23), in one form for every mode. With S = sum of the axle spacings the motion, up to scale, is
     (vx, vy, w S/2) = (sin(AF + AR), cos(AF - AR) + cos(AF + AR), sin(AF - AR)),   w clockwise,
 and a wheel at (x, y) moves with (vx + w y, vy - w x). Errors of the papers' own formulas (signs, quadrants) do not arise in it.
@@ -176,6 +176,7 @@ class Steering:
 
     spacings: mm between neighbouring axles, front to rear, ints or floats, each > 0; one fewer than there are axles, at least one.
     track: mm between the left and the right wheels, > 0 and less than 8 S, S being the sum of the spacings.
+    first: mm from the body's centre forward to the first axle, half of S (also None) where the axles lie evenly about the centre.
     Raises ValueError otherwise, or for more than 15 axles.
 
     Wheel (i, j), axle i = 1 .. n from the front, j = 1 left, 2 right, has index 2 (i - 1) + (j - 1).
@@ -186,12 +187,12 @@ class Steering:
     shares      array('h', 2n): signed speed * 16384; the fastest wheel has 16384 (or -16384), a folded one is negative
     folded      bit k set: the direction of motion of wheel k lies beyond 90 deg; it is turned by 180 deg and runs in reverse
     mode        1 .. 7: ADVERSE, FIRST_STRAIGHT, LAST_STRAIGHT, SPIN, LATERAL, SAME_PHASE, STRAIGHT
-    vx, vy      velocity of the point midway between first and last axle, * 16384, when the fastest wheel moves at 1
+    vx, vy      velocity of the body's centre * 16384, when the fastest wheel moves at 1
     w           angular rate clockwise * S/2, * 16384, likewise
     af, ar      what was solved last
     """
 
-    def __init__(self, spacings, track):
+    def __init__(self, spacings, track, first=None):
         if not spacings:
             raise ValueError("a robot has two axles at least: give one spacing or more")
         if len(spacings) > 14:
@@ -203,6 +204,7 @@ class Steering:
             raise ValueError("track must lie between 0 and %d mm (8 times the wheelbase), not %r" % (_LARGEST_RATIO * span, track))
         self.spacings = spacings
         self.track = track
+        self.first = span / 2 if first is None else first
         self.span = span
         self.n = n = len(spacings) + 1
         self._geometry = array("i", [n, _ratio(track, span), 0])
@@ -210,6 +212,8 @@ class Steering:
         for spacing in spacings:
             behind += spacing
             self._geometry.append(_ratio(2 * behind, span))
+        # From the middle of the axles back to the body's centre, over S/2, in 2**-14
+        self._back = int(round((span / 2 - self.first) * 32768 / span))
         self._work = array("i", bytes(4 * (_SPEEDS + 2 * n)))
         self._twist = array("h", (0, 0, 0))
         self.angles = array("h", bytes(4 * n))
@@ -225,9 +229,9 @@ class Steering:
         if not (-_RIGHT <= af <= _RIGHT and -_RIGHT <= ar <= _RIGHT):
             return False
         self.folded = _solve(af, ar, self._geometry, self._work, self.angles, self.shares, self._twist)
-        self.vx = self._twist[0]
-        self.vy = self._twist[1]
         self.w = self._twist[2]
+        self.vx = self._twist[0] + (self.w * self._back >> 14)
+        self.vy = self._twist[1]
         self.mode = mode_of(af, ar)
         self.af = af
         self.ar = ar

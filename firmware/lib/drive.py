@@ -1,0 +1,272 @@
+"""(AF, AR, V) -> wheels: turned together, before and while the robot moves, and an estimate of what they do now.
+
+A small change of steering while driving goes through the space of (AF, AR): each servo period both move on by the same fraction, such that no
+wheel turns faster than its servo can. So all wheels point round one turning centre all the way.
+
+A large change (a wheel turns farther than servos.swing, or changes its direction of rolling) would skid: the robot stops, all wheels swing
+at once, and it drives on when the slowest has arrived.
+
+What the wheels do now is what the servos were told `servos.latency` ago, and what the motors were told through a first-order lag of
+`motors.time_constant`. A swinging wheel turns at servos.rate. There is no sensor in any wheel; the twin of the robot and the real one are
+to be matched by these three numbers.
+"""
+
+from array import array
+from time import ticks_add, ticks_diff
+
+import micropython
+from micropython import const
+from outputs import Outputs
+from steering import Steering
+
+_STANDS = const(512)  # slow enough for the wheels to swing: V - 90 = 2, in 1/256
+_HISTORY = const(32)  # set points remembered; a power of two, more than 200 ms of 10 ms periods
+_MOST_PERIODS = const(50)
+
+
+@micropython.viper
+def _largest_change(one: ptr16, other: ptr16, count: int) -> int:
+    largest = 0
+    k = 0
+    while k < count:
+        change = (one[k] ^ 0x8000) - (other[k] ^ 0x8000)
+        if change < 0:
+            change = 0 - change
+        if change > largest:
+            largest = change
+        k += 1
+    return largest
+
+
+@micropython.viper
+def _follow(positions: ptr16, goals: ptr16, count: int, step: int) -> int:
+    """Move each position towards its goal by at most `step`; return the largest distance left."""
+    largest = 0
+    k = 0
+    while k < count:
+        position = (positions[k] ^ 0x8000) - 0x8000
+        left = ((goals[k] ^ 0x8000) - 0x8000) - position
+        move = left
+        if move > step:
+            move = step
+        elif move < 0 - step:
+            move = 0 - step
+        positions[k] = (position + move) & 0xFFFF
+        left -= move
+        if left < 0:
+            left = 0 - left
+        if left > largest:
+            largest = left
+        k += 1
+    return largest
+
+
+class Drive:
+    """Drives the wheels of one robot.
+
+    steering: Steering of the robot; from now on it is the drive's, solved for the estimate. The chips and output_enable: see Outputs.
+
+    Everything is off after construction. The first update() sets the chips up, switches the outputs on with all wheels straight, and waits until
+    the wheels must have arrived from wherever they stood.
+
+    af, ar          estimate of the steering now, 0.1 deg; `steering` is solved for it
+    v256            estimate of the speed of the fastest wheel now, V - 90 in 1/256
+    turning         the robot stands, or is stopping, because its wheels have to swing
+    aim             Steering of the angles the servos were told last
+    unreachable     wheel the last command would turn beyond its servo's limits, or -1
+    ok, fault       False, and why, while a chip does not answer: all outputs are off then
+    """
+
+    def __init__(self, steering, servo_chip, motor_left, motor_right, output_enable, config):
+        self.steering = steering
+        self.aim = Steering(steering.spacings, steering.track, steering.first)
+        self._goal = Steering(steering.spacings, steering.track, steering.first)
+        self._trial = Steering(steering.spacings, steering.track, steering.first)
+        self._wheels = 2 * steering.n
+        self._config = config
+        self._outputs = Outputs(servo_chip, motor_left, motor_right, output_enable, config)
+        self._low = config.servos_low
+        self._high = config.servos_high
+        self._period_us = 1000000 // config.servos_frequency
+        self._due = -1
+        self.af = 0
+        self.ar = 0
+        self.v256 = 0
+        self.turning = True
+        self.unreachable = -1
+        self._goal_v256 = 0
+        self._set_v256 = 0
+        self._restarts = 0
+        self._swinging = False  # the wheels were told to swing; turning without it: the robot still rolls
+        self._delay = 0  # periods until the swing shows
+        self._positions = array("h", bytes(2 * self._wheels))  # where the wheels are taken to stand
+        self._afs = array("h", bytes(2 * _HISTORY))
+        self._ars = array("h", bytes(2 * _HISTORY))
+        self._now = 0
+        self._speed = 0  # v256 in 1/256
+        self._derive()
+
+    @property
+    def ok(self):
+        return self._outputs.ok
+
+    @property
+    def fault(self):
+        return self._outputs.fault
+
+    def reachable(self, af, ar):
+        """Whether all wheels can turn to (AF, AR), 0.1 deg."""
+        return self._trial.solve(af, ar) and self._trial.outside(self._low, self._high) < 0
+
+    def command(self, af, ar, v):
+        """Steer AF, AR (0.1 deg) and drive at V (0 .. 180, 90 stops). False, and the robot stops as it is steered, if a wheel cannot turn so far."""
+        goal = self._goal
+        if af != goal.af or ar != goal.ar:
+            before_af, before_ar = goal.af, goal.ar
+            self.unreachable = goal.outside(self._low, self._high) if goal.solve(af, ar) else 0
+            if self.unreachable >= 0:
+                goal.solve(before_af, before_ar)
+                self._goal_v256 = 0
+                return False
+        self.unreachable = -1
+        self._goal_v256 = (min(max(v, 0), 180) - 90) * 256
+        return True
+
+    def stop(self):
+        """Motors off now; the wheels stay as they are."""
+        self._goal_v256 = 0
+        if self._set_v256:
+            self._set_v256 = 0
+            self._outputs.motors_off()
+
+    def off(self):
+        """Everything off, for good: the servos let go."""
+        self.stop()
+        self._outputs.off()
+
+    def update(self, now_us):
+        """Do what is due; call at least once a servo period. True when the set points moved on. Allocates nothing while all is well."""
+        if self._due < 0:
+            self._due = now_us
+        late = ticks_diff(now_us, self._due)
+        if late < 0:
+            return False
+        # After a pause the estimate catches up, the set points do not.
+        periods = late // self._period_us + 1
+        if periods > _MOST_PERIODS:
+            periods = _MOST_PERIODS
+            self._due = now_us
+        self._due = ticks_add(self._due, periods * self._period_us)
+        if self._changes != self._config.changes:
+            self._derive()
+        self._steer()
+        self._accelerate()
+        aim = self.aim
+        self._outputs.write(aim.angles, aim.shares, self._set_v256)
+        if self._restarts != self._outputs.restarts:
+            self._restarts = self._outputs.restarts
+            self._doubt()
+        while periods:
+            self._estimate()
+            periods -= 1
+        self._publish()
+        return True
+
+    def _derive(self):
+        """What a servo period makes of the live parameters."""
+        config = self._config
+        self._changes = config.changes
+        period = self._period_us
+        self._step = max(config.servos_rate * period // 100000, 1)  # 0.1 deg
+        self._swing = config.servos_swing
+        latency = config.servos_latency * 1000
+        self._latency = latency // period
+        self._latency256 = latency % period * 256 // period
+        self._gain256 = min(512 * period // (2000 * config.motors_time_constant + period), 256)
+        self._ramp = max(config.drive_acceleration * 23040 // config.motors_full_speed * period // 1000000, 1)
+
+    def _steer(self):
+        goal = self._goal
+        if self._swinging:
+            if self._apart():
+                self._begin_swing()
+            if self._delay:
+                self._delay -= 1
+            elif _follow(self._positions, self.aim.angles, self._wheels, self._step) == 0:
+                self._swinging = False
+                self.turning = False
+            return
+        _follow(self._positions, self.aim.angles, self._wheels, self._step)
+        self.turning = self._apart()
+        if not self.turning and (goal.af != self.aim.af or goal.ar != self.aim.ar):
+            self.turning = not self._approach()
+        if self.turning and -_STANDS <= self.v256 <= _STANDS:
+            self._begin_swing()
+
+    def _apart(self):
+        """Whether the goal is too far from the set point to be reached while driving."""
+        goal, aim = self._goal, self.aim
+        return goal.folded != aim.folded or _largest_change(goal.angles, aim.angles, self._wheels) > self._swing
+
+    def _begin_swing(self):
+        self.aim.solve(self._goal.af, self._goal.ar)
+        self._swinging = True
+        self._delay = self._latency + 1
+
+    def _approach(self):
+        """Move the set point towards the goal as far as the slowest wheel allows. False where the way leads past a fold or a turning centre."""
+        goal, aim, trial = self._goal, self.aim, self._trial
+        way_af = goal.af - aim.af
+        way_ar = goal.ar - aim.ar
+        way = max(abs(way_af), abs(way_ar))
+        part = way
+        while part > 0:
+            trial.solve(aim.af + (way_af * part + (way >> 1)) // way, aim.ar + (way_ar * part + (way >> 1)) // way)
+            if trial.folded != aim.folded:
+                return False
+            change = _largest_change(trial.angles, aim.angles, self._wheels)
+            if change <= self._step:
+                self.aim = trial
+                self._trial = aim
+                return True
+            part = part * self._step // (change + 1)
+        return False
+
+    def _accelerate(self):
+        goal = self._goal_v256
+        speed = self._set_v256
+        if goal == 0 or self.turning or not self._outputs.ok:
+            self._set_v256 = 0
+        elif goal > 0 > speed or goal < 0 < speed:
+            self._set_v256 = 0  # a reversal passes through off
+        elif goal > speed:
+            self._set_v256 = min(speed + self._ramp, goal)
+        else:
+            self._set_v256 = max(speed - self._ramp, goal)
+
+    def _doubt(self):
+        """The chips were set up anew: each wheel may stand anywhere, at worst at the far end."""
+        for k in range(self._wheels):
+            self._positions[k] = 900 if self.aim.angles[k] < 0 else -900
+        self._set_v256 = 0
+        self._outputs.motors_off()
+        self.turning = True
+        self._begin_swing()
+
+    def _estimate(self):
+        """One servo period of the wheels' life."""
+        now = (self._now + 1) & (_HISTORY - 1)
+        self._now = now
+        self._afs[now] = self.aim.af
+        self._ars[now] = self.aim.ar
+        self._speed += (((self._set_v256 << 8) - self._speed) >> 4) * self._gain256 >> 4
+
+    def _publish(self):
+        late = (self._now - self._latency) & (_HISTORY - 1)
+        later = (late - 1) & (_HISTORY - 1)
+        f = self._latency256
+        self.af = (self._afs[late] * (256 - f) + self._afs[later] * f + 128) >> 8
+        self.ar = (self._ars[late] * (256 - f) + self._ars[later] * f + 128) >> 8
+        self.v256 = (self._speed + 128) >> 8
+        if self.af != self.steering.af or self.ar != self.steering.ar:
+            self.steering.solve(self.af, self.ar)
