@@ -10,7 +10,7 @@ STEP_US = 2000
 MOTOR_LAG_US = 80_000.0
 TRIM_ERROR = 0.5  # deg, 1 sigma of the servos' mounting
 GAIN_ERROR = 0.01  # 1 sigma of the wheels' speeds
-SLEW = 300.0  # deg/s
+SLEW = 300.0  # deg/s of the servos
 ROLL_ERROR = 0.025  # largest common error of the distance rolled
 MOVING = 5.0  # mm/s of the fastest wheel, above which scrub counts
 

@@ -28,6 +28,8 @@ def main(arguments=None):
     except (ValueError, ToolMissing, SyntaxError) as error:
         print(f"python -m host.twin: {error}", file=sys.stderr)
         return MISUSED
+    except KeyboardInterrupt:
+        return FAILED
     if options.picture:
         from .picture import draw
 

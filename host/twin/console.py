@@ -18,6 +18,7 @@ class Progress(Watch):
         self._out = out
         self._next = 0
         self._printed = b""
+        self._crashed = False
 
     def step(self, simulation):
         if simulation.now < self._next:
@@ -34,7 +35,8 @@ class Progress(Watch):
         *lines, self._printed = (self._printed + data).split(b"\n")
         for line in lines:
             text = line.decode(errors="replace").strip()
-            if text and text.isprintable():
+            self._crashed = self._crashed or text.startswith("Traceback")  # which the result shows as the reason
+            if text and text.isprintable() and not self._crashed:
                 self._out(f"         firmware: {text}")
 
 

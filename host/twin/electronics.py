@@ -5,13 +5,14 @@ import numpy as np
 from .pca9685 import Pca9685
 
 SHORTEST_US, LONGEST_US = 400.0, 2600.0  # a servo ignores other pulses
+REACTION_US = 6_000  # from the end of the pulse to the servo's motion
 NEVER = float("inf")
 
 
 class Electronics:
     """Three PCA9685 chips, the output-enable pin, the lidar's motor driver and the inputs.
 
-    latch: time (us) at which the servos take their next pulses, NEVER while nothing has changed.
+    latch: time (us) at which the servos answer to changed pulses, NEVER while nothing has changed.
     """
 
     def __init__(self, vehicle, body, lidar):
@@ -90,9 +91,9 @@ class Electronics:
         self._body.steer(angles - self._trims, driven)
 
     def _await_pulse(self, time):
-        """A pulse that has begun keeps its width: the new one comes with the next period."""
+        """A pulse that has begun keeps its width: the new one comes with the next period, and the servo needs a moment."""
         period = self._servo.period_us
-        self.latch = self._servo_phase + (np.floor((time - self._servo_phase) / period) + 1) * period
+        self.latch = self._servo_phase + (np.floor((time - self._servo_phase) / period) + 1) * period + REACTION_US
 
     def _drive(self):
         """Motors follow IN1 less IN2."""

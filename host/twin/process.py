@@ -120,15 +120,12 @@ class Process:
         if self._closed:
             return
         self._closed = True
-        os.close(self._to_board)
-        self._child.stdin.close()
-        try:
-            self._child.wait(0.2)
-        except subprocess.TimeoutExpired:
-            self._child.kill()
-            self._child.wait()
+        self._child.kill()
+        self._child.wait()
         while self._read_serial():
             pass
+        os.close(self._to_board)
+        self._child.stdin.close()
         os.close(self._from_board)
         self._child.stdout.close()
         self._child.stderr.close()

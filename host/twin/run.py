@@ -125,6 +125,9 @@ def _drive(simulation, child, watch, speed, limit_s):
                 time.sleep(ahead)
         if limit_s and simulation.now > limit_s * 1e6:
             simulation.stop(f"{limit_s:g} s are over")
+        commands = watch.commands()
+        if commands:
+            child.send_serial(commands)
         if simulation.result is None:
             child.answer(*answer)
 

@@ -190,6 +190,10 @@ class Watch:
     def decision(self, decision):
         """The firmware has a new decision."""
 
+    def commands(self):
+        """Bytes to send on the board's USB serial line now."""
+        return b""
+
     def uart(self, time, gpio, data):
         """The firmware sent bytes on a UART."""
 
