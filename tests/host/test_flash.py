@@ -1,0 +1,451 @@
+"""Flashing, with the real esptool and mpremote against a board emulated at its bytes (`emulated_board`).
+
+Not covered, because only a real board has it: reset over DTR and RTS, the rates, the ROM's own timing, a firmware that really starts, and
+the download from micropython.org.
+"""
+
+import hashlib
+import stat
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+serial = pytest.importorskip("serial", reason="needs esptool and mpremote: make setup")
+
+from emulated_board import EmulatedBoard  # noqa: E402
+from emulated_rom import ESP32_S2_MAGIC, MAC  # noqa: E402
+
+from host import compat  # noqa: E402
+from host.flash import __main__ as command_line  # noqa: E402
+from host.flash import board, build, flow, hello, image, keep, places, ports, rescue, tools  # noqa: E402
+from host.flash.errors import FlashError  # noqa: E402
+
+compat.install()
+import telemetry  # noqa: E402
+
+HELLO = b"starting\r\n" + telemetry.frame(telemetry.HELLO, bytes(12) + b'{"firmware": "0.1.0", "robot": "twin"}')
+IDENTITY = MAC.hex()
+MINE = b'{"axles": 5, "avoid": {"margin": 17}}'
+DEFAULT = b'{"axles": 5, "avoid": {"margin": 12}, "radio": {"ssid": ""}}'
+IMAGE = b"\xe9" + bytes(11) + b"\0\0" + bytes(range(256)) * 20
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the board is emulated on a pseudo-terminal")
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path, monkeypatch):
+    """Keys, backups and downloads go into the test's own folder; a board that does not answer is given up soon."""
+    monkeypatch.setattr(hello.ask_prompt, "__defaults__", (0.6,))
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return tmp_path
+
+
+@pytest.fixture
+def sources(tmp_path):
+    """A small firmware."""
+    folder = tmp_path / "firmware"
+    (folder / "lib").mkdir(parents=True)
+    (folder / "main.py").write_text("import wheels\n")
+    (folder / "robot.json").write_bytes(DEFAULT)
+    (folder / "lib" / "wheels.py").write_text("import micropython\n@micropython.viper\ndef double(n: int) -> int:\n    return n + n\n")
+    (folder / "lib" / "names.py").write_text("NAMES = ('front', 'rear')\n")
+    return folder
+
+
+@pytest.fixture
+def firmware(tmp_path):
+    path = tmp_path / "image.bin"
+    path.write_bytes(IMAGE)
+    return path
+
+
+@pytest.fixture
+def connect(tmp_path):
+    """Makes the one board of a test; it is unplugged at the end."""
+    boards = []
+
+    def make(**properties) -> EmulatedBoard:
+        (tmp_path / "board").mkdir(exist_ok=True)
+        boards.append(EmulatedBoard(tmp_path / "board", **{"hello": HELLO, **properties}).__enter__())
+        return boards[-1]
+
+    yield make
+    for one in boards:
+        one.__exit__()
+
+
+@pytest.fixture
+def perform(sources, firmware, capfd):
+    """Runs steps against a board; returns what was printed."""
+
+    def perform(steps, emulated, **options):
+        job = flow.Job(emulated.port, firmware, sources=sources, **options)
+        flow.run(steps, job)
+        return capfd.readouterr().out
+
+    return perform
+
+
+# --- the whole way
+
+
+def test_flash_a_new_board(connect, perform, sources):
+    emulated = connect()
+    printed = perform(flow.FLASH, emulated)
+    assert emulated.flash.read(0x1000, len(IMAGE)) == IMAGE
+    assert emulated.get("main.py") == b"import wheels\n"
+    assert emulated.get("lib/wheels.mpy")[:4] == b"M\x06\x2b\x1f"  # version 6.3, native code for xtensawin
+    assert emulated.get("lib/wheels.py") is None
+    assert emulated.get("robot.json") == DEFAULT
+    assert "a new board" in printed and "firmware 0.1.0 says hello" in printed
+
+
+def test_flash_keeps_the_settings(connect, perform):
+    emulated = connect()
+    emulated.install()
+    emulated.put({"robot.json": MINE, "main.py": b"old"})
+    printed = perform(flow.FLASH, emulated)
+    assert emulated.get("robot.json") == MINE
+    assert emulated.get("main.py") == b"import wheels\n"
+    assert [path.read_bytes() for path in keep.backups(IDENTITY)] == [MINE]
+    assert "lacks radio.ssid" in printed
+
+
+@pytest.mark.parametrize("settings", [b"{ not json", b"", b"[]", "{\"größe\": 1}".encode()])
+def test_flash_keeps_even_broken_settings(connect, perform, settings):
+    emulated = connect()
+    emulated.install()
+    emulated.put({"robot.json": settings})
+    perform(flow.FLASH, emulated)
+    assert emulated.get("robot.json") == settings
+
+
+def test_settings_are_rescued_from_a_board_that_does_not_answer(connect, perform):
+    """A program that holds the prompt: the file system is read through the ROM loader, and robot.json taken out of it."""
+    emulated = connect(deaf=True)
+    emulated.install()
+    emulated.put({"robot.json": MINE, "lib/other.py": b"x = 1" * 900})
+    steps = [step for step in flow.FLASH if step.title.startswith(("stock", "save", "erase"))]
+    perform(steps, emulated)
+    assert set(emulated.flash.read(0x200000, 4096)) == {0xFF}
+    assert [path.read_bytes() for path in keep.backups(IDENTITY)] == [MINE]
+    assert not list(places.backup_dir().glob("*.bin"))
+
+
+def test_settings_survive_a_flash_broken_off_after_the_erase(connect, perform):
+    emulated = connect()
+    emulated.install()
+    emulated.put({"robot.json": MINE})
+    perform([step for step in flow.FLASH if step.title.startswith(("stock", "save", "erase"))], emulated)
+    printed = perform(flow.FLASH, emulated)
+    assert emulated.get("robot.json") == MINE
+    assert "restored from" in printed
+
+
+def test_deploy_copies_only_what_changed(connect, perform, sources):
+    emulated = connect()
+    perform(flow.FLASH, emulated)
+    assert "0 of 3 files had changed" in perform(flow.DEPLOY, emulated)
+    (sources / "lib" / "names.py").write_text("NAMES = ()\n")
+    printed = perform(flow.DEPLOY, emulated)
+    assert "1 of 3 files had changed" in printed
+    assert "cp" in printed and "wheels.mpy" not in printed
+    assert printed.rstrip().endswith("firmware 0.1.0 says hello")
+
+
+def test_deploy_leaves_settings_and_foreign_files_alone(connect, perform):
+    emulated = connect()
+    emulated.install()
+    emulated.put({"robot.json": MINE, "notes.txt": b"mine", "lib/sensor.py": b"mine"})
+    perform(flow.DEPLOY, emulated)
+    assert [emulated.get(name) for name in ("robot.json", "notes.txt", "lib/sensor.py")] == [MINE, b"mine", b"mine"]
+    assert [path.read_bytes() for path in keep.backups(IDENTITY)] == [MINE]
+
+
+def test_deploy_removes_a_source_that_would_hide_the_compiled_module(connect, perform):
+    emulated = connect()
+    emulated.install()
+    emulated.put({"lib/wheels.py": b"stale"})
+    perform(flow.DEPLOY, emulated)
+    assert emulated.get("lib/wheels.py") is None
+    assert emulated.get("lib/wheels.mpy")
+
+
+# --- the key
+
+
+def test_the_key_is_made_once_and_private(connect, perform):
+    emulated = connect()
+    perform(flow.FLASH, emulated)
+    path = places.key_path(IDENTITY)
+    key = path.read_bytes()
+    assert len(key) == 32 and emulated.get(flow.KEY_FILE) == key
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert "known" in perform(flow.DEPLOY, emulated)
+    assert emulated.get(flow.KEY_FILE) == key
+
+
+def test_a_second_laptop_learns_the_key(connect, perform):
+    emulated = connect()
+    perform(flow.FLASH, emulated)
+    places.key_path(IDENTITY).unlink()
+    assert "learnt from the board" in perform(flow.DEPLOY, emulated)
+    assert places.key_path(IDENTITY).read_bytes() == emulated.get(flow.KEY_FILE)
+
+
+def test_every_flash_makes_a_new_key(connect, perform):
+    emulated = connect()
+    perform(flow.FLASH, emulated)
+    first = emulated.get(flow.KEY_FILE)
+    perform(flow.FLASH, emulated)
+    assert emulated.get(flow.KEY_FILE) not in (first, None)
+
+
+# --- what can go wrong on the board
+
+
+def test_wrong_chip(connect, perform):
+    emulated = connect(magic=ESP32_S2_MAGIC)
+    with pytest.raises(FlashError, match="needs a plain ESP32"):
+        perform(flow.FLASH, emulated)
+    assert 0xD0 not in emulated.loader.commands  # nothing was erased
+
+
+def test_a_disturbed_line_is_noticed(connect, perform):
+    with pytest.raises(FlashError, match="BAUD=115200"):
+        perform(flow.FLASH, connect(spoil=True))
+
+
+def test_not_enough_room(connect, perform):
+    emulated = connect(file_space=16 * 4096)
+    emulated.install()
+    emulated.put({"data.bin": bytes(11 * 4096)})
+    with pytest.raises(FlashError, match="not enough room"):
+        perform(flow.DEPLOY, emulated)
+    assert emulated.get("main.py") is None  # no half firmware
+
+
+def test_deploy_to_a_board_without_micropython(connect, perform):
+    with pytest.raises(FlashError, match="make flash"):
+        perform(flow.DEPLOY, connect())
+
+
+def test_files_that_differ_when_read_back(sources, tmp_path):
+    files = build.build(tmp_path / "out", sources)
+    found = {file.name: file.sha256 for file in files}
+    board.compare(files, found)
+    with pytest.raises(FlashError, match="lib/names.mpy"):
+        board.compare(files, {**found, "lib/names.mpy": "0" * 64})
+
+
+@pytest.mark.parametrize(
+    "said, told",
+    [
+        (b"", "silent"),
+        (b"rst:0x10 (RTCWDT_RTC_RESET)\r\ninvalid header\r\n" * 3, "boot loop"),
+        (b"rst:0xc\r\nBrownout detector was triggered\r\n" * 3, "supply voltage"),
+        (b"Traceback (most recent call last):\r\nConfigError: avoid.margin 900: 0 to 100\r\n>>> ", "avoid.margin 900"),
+        (b"something else", "something else"),
+    ],
+)
+def test_diagnosis(said, told):
+    assert told in str(hello.diagnose(said, "no hello"))
+
+
+def test_a_firmware_that_stops_is_quoted(connect, perform):
+    emulated = connect(hello=b"Traceback (most recent call last):\r\n  File \"main.py\"\r\nImportError: no module named 'wheel'\r\n>>> ")
+    with pytest.raises(FlashError, match="no module named 'wheel'"):
+        perform(flow.FLASH, emulated)
+
+
+def test_a_boot_loop_is_told(connect):
+    with pytest.raises(FlashError, match="boot loop"):
+        hello.wait_for_prompt(connect().port, timeout=5)
+
+
+# --- ports
+
+
+def port(device, vid=0x10C4):
+    return SimpleNamespace(device=device, vid=vid, description="CP2102")
+
+
+def plug(monkeypatch, *found):
+    monkeypatch.setattr(ports.list_ports, "comports", lambda: list(found))
+    monkeypatch.setattr(ports.os.path, "exists", lambda path: True)
+    monkeypatch.setattr(ports.os, "access", lambda path, mode: True)
+
+
+def test_the_only_board_is_taken(monkeypatch):
+    plug(monkeypatch, port("/dev/ttyUSB0"), port("/dev/ttyS0", None), port("/dev/ttyACM9", 0x1234))
+    assert ports.choose(None) == "/dev/ttyUSB0"
+
+
+def test_no_board(monkeypatch):
+    plug(monkeypatch)
+    with pytest.raises(FlashError, match="cable"):
+        ports.choose(None)
+
+
+def test_several_boards_are_asked_about(monkeypatch):
+    plug(monkeypatch, port("/dev/ttyUSB1"), port("/dev/ttyUSB0"))
+    assert ports.choose(None, lambda question: "2") == "/dev/ttyUSB1"
+    assert ports.choose("/dev/ttyUSB7") == "/dev/ttyUSB7"
+    with pytest.raises(FlashError, match="PORT=/dev/ttyUSB0"):
+        ports.choose(None)
+    with pytest.raises(FlashError, match="none of the numbers"):
+        ports.choose(None, lambda question: "3")
+
+
+def test_no_permission(monkeypatch):
+    plug(monkeypatch, port("/dev/ttyUSB0"))
+    monkeypatch.setattr(ports.os, "access", lambda path, mode: False)
+    with pytest.raises(FlashError, match="dialout"):
+        ports.choose(None)
+
+
+def test_a_port_that_is_not_there():
+    with pytest.raises(FlashError, match="no port /dev/nowhere"):
+        ports.choose("/dev/nowhere")
+
+
+def test_a_busy_port(connect):
+    emulated = connect()
+    with serial.Serial(emulated.port, exclusive=True):
+        with pytest.raises(FlashError, match="close the program"):
+            board.survey(emulated.port)
+        with pytest.raises(FlashError, match="close the program"):
+            hello.ask_prompt(emulated.port)
+
+
+# --- the image
+
+
+def published(path: Path, data: bytes) -> image.Image:
+    path.write_bytes(data)
+    return image.Image(path.as_uri(), len(data), hashlib.sha256(data).hexdigest())
+
+
+def test_the_image_is_fetched_once(tmp_path):
+    source = tmp_path / "stock.bin"
+    wanted = published(source, IMAGE)
+    path = image.fetch(wanted, tmp_path / "cache")
+    assert path.read_bytes() == IMAGE
+    source.unlink()
+    assert image.fetch(wanted, tmp_path / "cache") == path
+
+
+def test_a_damaged_cache_is_fetched_again(tmp_path):
+    wanted = published(tmp_path / "stock.bin", IMAGE)
+    path = image.fetch(wanted, tmp_path / "cache")
+    path.write_bytes(IMAGE[:-1] + b"x")
+    assert image.fetch(wanted, tmp_path / "cache").read_bytes() == IMAGE
+
+
+@pytest.mark.parametrize("wrong", [IMAGE[:-1], IMAGE[:-1] + b"x"])
+def test_another_image_is_refused(tmp_path, wrong):
+    wanted = published(tmp_path / "stock.bin", IMAGE)
+    (tmp_path / "stock.bin").write_bytes(wrong)
+    with pytest.raises(FlashError, match="not the one that was published"):
+        image.fetch(wanted, tmp_path / "cache")
+    assert not list((tmp_path / "cache").iterdir())
+
+
+def test_offline(tmp_path):
+    with pytest.raises(FlashError, match="FIRMWARE=nothing.bin"):
+        image.fetch(image.Image((tmp_path / "nothing.bin").as_uri(), 1, ""), tmp_path / "cache")
+
+
+def test_a_given_image(tmp_path, firmware):
+    assert image.given(firmware) == firmware
+    other = tmp_path / "c3.bin"
+    other.write_bytes(IMAGE[:12] + b"\x05\x00" + IMAGE[14:])
+    with pytest.raises(FlashError, match="another chip"):
+        image.given(other)
+    other.write_bytes(b"PK\x03\x04" + bytes(40))
+    with pytest.raises(FlashError, match="no ESP32 image"):
+        image.given(other)
+    with pytest.raises(FlashError, match="cannot read"):
+        image.given(tmp_path / "none.bin")
+
+
+# --- build
+
+
+def test_build_names_the_files_of_the_board(tmp_path, sources):
+    (sources / "lib" / "__pycache__").mkdir()
+    (sources / "lib" / "__pycache__" / "x.pyc").write_bytes(b"")
+    assert [file.name for file in build.build(tmp_path / "out", sources)] == ["lib/names.mpy", "lib/wheels.mpy", "main.py"]
+
+
+def test_compiled_modules_name_no_folder_of_this_machine(tmp_path, sources):
+    files = build.build(tmp_path / "out", sources)
+    assert not any(str(tmp_path).encode() in file.data for file in files)
+
+
+def test_a_module_that_does_not_compile(tmp_path, sources):
+    (sources / "lib" / "names.py").write_text("def (:\n")
+    with pytest.raises(FlashError, match="lib/names.py does not compile"):
+        build.build(tmp_path / "out", sources)
+
+
+def test_the_firmware_itself_compiles(tmp_path):
+    if not (build.FIRMWARE / "main.py").exists():
+        pytest.skip("there is no firmware yet")
+    assert {"main.py", "lib/steering.mpy", "lib/avoid.mpy"} <= {file.name for file in build.build(tmp_path / "out", build.FIRMWARE)}
+
+
+# --- what is kept
+
+
+def test_backups_are_never_overwritten():
+    first = keep.backup(b"1", "ab")
+    second = keep.backup(b"2", "ab")
+    assert first != second and keep.backup(b"1", "ab") == first
+    assert [path.read_bytes() for path in keep.backups("ab")] == [b"2", b"1"]
+
+
+def test_a_damaged_file_system_is_kept_and_named(tmp_path):
+    partition = tmp_path / "files.bin"
+    partition.write_bytes(b"\x00littlefs" + bytes(8183))
+    with pytest.raises(FlashError, match="files.bin is damaged"):
+        rescue.extract(partition, "robot.json")
+    assert partition.exists()
+
+
+# --- the command line
+
+
+def test_dry_run_touches_nothing(home, capsys):
+    before = sorted(home.rglob("*"))
+    assert command_line.main(["--dry-run", "--port", "/dev/ttyUSB0"]) == 0
+    printed = capsys.readouterr().out
+    assert "--port /dev/ttyUSB0 --baud 460800 erase-flash" in printed
+    assert "write-flash 0x1000 ESP32_GENERIC-20241025-v1.24.0.bin" in printed
+    assert command_line.main(["--dry-run", "--deploy"]) == 0
+    assert "erase-flash" not in capsys.readouterr().out
+    assert sorted(home.rglob("*")) == before
+
+
+def test_a_failure_is_told_with_its_remedy(capsys):
+    assert command_line.main(["--port", "/dev/nowhere"]) == 1
+    assert "  -> check the cable" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "said, told",
+    [
+        ("[Errno 13] Permission denied: '/dev/ttyUSB0'", "dialout"),
+        ("Failed to connect to ESP32: No serial data received.", "BOOT button"),
+        ("This chip is ESP32-S3, not ESP32. Wrong chip argument?", "plain ESP32"),
+        ("mpremote: failed to access /dev/ttyUSB0 (it may be in use by another program)", "close the program"),
+        ("OSError: [Errno 28] ENOSPC", "not enough room"),
+        ("mpremote: could not enter raw repl", "EN (reset) button"),
+        ("No module named esptool", "make setup"),
+    ],
+)
+def test_remedies(said, told):
+    assert told in tools.remedy(said)
