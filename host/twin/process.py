@@ -16,7 +16,7 @@ ENGINES = ("micropython", "cpython")
 ADVANCE, READ, FLUSH, RESET = 1, 2, 3, 4
 I2C_WRITE, PIN, PWM_DUTY, PWM_FREQUENCY, UART_OUTPUT = 1, 2, 3, 4, 5
 REPLY, PAYLOAD, CHUNKS = 1024, 160, 4
-HEAP = "200k"  # objects are twice as large as on the ESP32, so about 100 kB there
+HEAP = "400k"  # far more than the board has: pointers are twice as long here, and the images of the modules lie in it
 SILENCE_S = 20.0
 
 _REQUEST = struct.Struct("<IBBHqq11iI")
