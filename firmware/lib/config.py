@@ -5,6 +5,9 @@ import json
 import sys
 from array import array
 
+_TRIMS = "servos.trims."
+_UNIT_SUFFIXES = ("", "20", "1000")  # those of schema.SCALES
+
 # Attributes of which the first must not exceed the second
 _ORDER = (("windows_red", "windows_blue"), ("avoid_margin", "avoid_soft_margin"), ("battery_empty", "battery_low"))
 
@@ -39,52 +42,57 @@ class Config:
     array('h') in the order axle 1 left, axle 1 right, ...; everything the loop reads is an int.
 
     axles       number of axles
-    live        (key, attribute, low, high) of every parameter that may change while the robot runs, in the order of schema.LIVE, in the units
-                of the attributes
+    live        schema.LIVE: the parameters that may change while the robot runs
     changes     counter of such changes, for those who keep something computed from a parameter
     """
 
     def __init__(self, values=None):
-        # The table is let go at the end: its 10 kB are not needed again on the board.
+        # The table is let go at the end: of its 10 kB only the live rows are needed again on the board.
         import schema
 
         given = _flatten({} if values is None else values)
-        rows = schema.BOOT + schema.LIVE
         self.changes = 0
-        for row in rows:
+        self.live = schema.LIVE
+        for row in schema.BOOT:
             key = row[0]
             value = self._checked(row, given.pop(key), schema) if key in given else self._default(row, schema)
-            setattr(self, _attribute(row, schema), value)
+            setattr(self, _attribute(key) + _scale(row, schema)[1], value)
             if key == "axles.spacings":
                 self.axles = len(value) + 1
+        self._names = []
+        for row in schema.LIVE:
+            self._names.append(_attribute(row[0]))
+            setattr(self, self._names[-1], _live(row, given.pop(row[0], row[2])))
         for key in given:
-            _unknown(key, given[key], rows)
+            _unknown(key, given[key], schema.BOOT + schema.LIVE)
         self._check_body()
         self._check_chips()
         self._check_pins()
         self._check_order()
-        self.live = [_live(row, schema) for row in schema.LIVE]
         if sys.implementation.name == "micropython":
             del sys.modules["schema"]
 
     def get(self, key):
         """The value of a key, as its attribute holds it. ConfigError if there is no such key."""
-        index = self._index(key)
-        name = self.live[index][1] if index >= 0 else key.replace(".", "_")
-        if not hasattr(self, name):
-            raise ConfigError("unknown key %s" % key)
-        return getattr(self, name)
+        for unit in _UNIT_SUFFIXES:
+            name = _attribute(key) + unit
+            if hasattr(self, name):
+                return getattr(self, name)
+        raise ConfigError("unknown key %s" % key)
 
     def set(self, key, value):
-        """Change a live parameter; value: int, as its attribute holds it. ConfigError, and nothing changed, if that is not allowed."""
+        """Change a live parameter (value: int), or one wheel's trim, "servos.trims.0" and so on (value: degrees).
+
+        ConfigError, and nothing changed, if it is neither or the value is not allowed.
+        """
+        if key.startswith(_TRIMS):
+            self._trim(key, value)
+            return
         index = self._index(key)
         if index < 0:
             raise ConfigError("%s cannot change while the robot runs: edit robot.json and restart" % key)
-        _, name, low, high = self.live[index]
-        if type(value) is not int or not low <= value <= high:
-            _refuse(key, value, "a whole number %d .. %d is needed" % (low, high))
-        if not self.tune(index, value):
-            pairs = ["%s <= %s" % (_key(one), _key(other)) for one, other in _ORDER if name in (one, other)]
+        if not self.tune(index, _live(self.live[index], value)):
+            pairs = ["%s <= %s" % (_key(one), _key(other)) for one, other in _ORDER if self._names[index] in (one, other)]
             _refuse(key, value, "%s must hold" % " and ".join(pairs))
 
     def tune(self, index, value):
@@ -92,15 +100,23 @@ class Config:
         if not 0 <= index < len(self.live):
             return False
         row = self.live[index]
-        if not row[2] <= value <= row[3]:
+        if not row[3] <= value <= row[4]:
             return False
-        before = getattr(self, row[1])
-        setattr(self, row[1], value)
+        name = self._names[index]
+        before = getattr(self, name)
+        setattr(self, name, value)
         if self._disorder():
-            setattr(self, row[1], before)
+            setattr(self, name, before)
             return False
         self.changes += 1
         return True
+
+    def _trim(self, key, value):
+        wheels = ["%s%d" % (_TRIMS, k) for k in range(2 * self.axles)]
+        if key not in wheels:
+            _refuse(key, value, "the wheels are %s .. %s" % (wheels[0], wheels[-1]))
+        self.servos_trims[wheels.index(key)] = _number(key, value, -20, 20, "deg", 10, False)
+        self.changes += 1
 
     def _index(self, key):
         for index, row in enumerate(self.live):
@@ -148,7 +164,7 @@ class Config:
             return value
         if kind == "address":
             return _address(row, value)
-        return _number(key, value, low, high, unit, schema.SCALES[unit][0] if unit in schema.SCALES else 1, kind == "number")
+        return _number(key, value, low, high, unit, _scale(row, schema)[0], kind == "number")
 
     def _list(self, row, value, schema):
         key, kind, _, low, high, unit, _ = row
@@ -163,8 +179,7 @@ class Config:
                 if one not in (1, -1):
                     _refuse(key, one, "1 or -1 is needed")
             return array("h", value)
-        factor = schema.SCALES[unit][0] if unit in schema.SCALES else 1
-        return array("h", [_number(key, one, low, high, unit, factor, False) for one in value])
+        return array("h", [_number(key, one, low, high, unit, _scale(row, schema)[0], False) for one in value])
 
     def _check_body(self):
         if sum(self.axles_spacings) > self.robot_length:
@@ -208,15 +223,16 @@ class Config:
         return None
 
 
-def _live(row, schema):
-    key, _, _, low, high, unit, _ = row
-    factor = schema.SCALES[unit][0] if unit in schema.SCALES else 1
-    return key, _attribute(row, schema), low * factor, high * factor
+def _scale(row, schema):
+    return schema.SCALES[row[5]] if row[5] in schema.SCALES else (1, "")
 
 
-def _attribute(row, schema):
-    unit = row[5]
-    return row[0].replace(".", "_") + (schema.SCALES[unit][1] if unit in schema.SCALES else "")
+def _live(row, value):
+    return _number(row[0], value, row[3], row[4], row[5], 1, False)
+
+
+def _attribute(key):
+    return key.replace(".", "_")
 
 
 def _key(attribute):

@@ -100,6 +100,8 @@ class Drive:
         self._swinging = False  # the wheels were told to swing; turning without it: the robot still rolls
         self._delay = 0  # periods until the swing shows
         self._positions = array("h", bytes(2 * self._wheels))  # where the wheels are taken to stand
+        self._pointed = array("h", bytes(2 * self._wheels))  # angles while one wheel is pointed on its own
+        self._pointing = False
         self._afs = array("h", bytes(2 * _HISTORY))
         self._ars = array("h", bytes(2 * _HISTORY))
         self._now = 0
@@ -130,6 +132,23 @@ class Drive:
                 return False
         self.unreachable = -1
         self._goal_v256 = (min(max(v, 0), 180) - 90) * 256
+        if self._pointing and (self._goal_v256 or goal.af != self.aim.af or goal.ar != self.aim.ar):
+            self._pointing = False
+            self._doubt()
+        return True
+
+    def point(self, wheel, angle):
+        """Turn one wheel alone, to find its trim and its limits; index of the wheel, angle in 0.1 deg, -900 .. 900.
+
+        False unless the robot stands. The wheel goes back among the others with the next command that moves anything.
+        """
+        if self._goal_v256 or self._set_v256 or self.turning or not 0 <= wheel < self._wheels or not -900 <= angle <= 900:
+            return False
+        if not self._pointing:
+            self._pointing = True
+            for k in range(self._wheels):
+                self._pointed[k] = self.aim.angles[k]
+        self._pointed[wheel] = angle
         return True
 
     def stop(self):
@@ -162,7 +181,7 @@ class Drive:
         self._steer()
         self._accelerate()
         aim = self.aim
-        self._outputs.write(aim.angles, aim.shares, self._set_v256)
+        self._outputs.write(self._pointed if self._pointing else aim.angles, aim.shares, self._set_v256)
         if self._restarts != self._outputs.restarts:
             self._restarts = self._outputs.restarts
             self._doubt()
@@ -178,7 +197,7 @@ class Drive:
         self._changes = config.changes
         period = self._period_us
         self._step = max(config.servos_rate * period // 100000, 1)  # 0.1 deg
-        self._swing = config.servos_swing
+        self._swing = config.servos_swing * 10
         latency = config.servos_latency * 1000
         self._latency = latency // period
         self._latency256 = latency % period * 256 // period
@@ -245,7 +264,7 @@ class Drive:
             self._set_v256 = max(speed - self._ramp, goal)
 
     def _doubt(self):
-        """The chips were set up anew: each wheel may stand anywhere, at worst at the far end."""
+        """Each wheel may stand anywhere, at worst at the far end."""
         for k in range(self._wheels):
             self._positions[k] = 900 if self.aim.angles[k] < 0 else -900
         self._set_v256 = 0

@@ -81,7 +81,10 @@ class Outputs:
         self._directions = config.motors_directions
         self._motor_channels = config.motors_channels
         self._axles = config.axles
-        self._centre, self._slope = _servo_lines(servo_chip, config)
+        self._changes = config.changes
+        self._slope = array("h", [0] * (2 * config.axles))
+        self._centre = array("i", [0] * (2 * config.axles))
+        self._draw_lines()
 
     def begin(self):
         """Set all chips up, every output still off. True if all answered."""
@@ -104,6 +107,8 @@ class Outputs:
             self._tick = 0
         if not self.ok and (self._tick or not self.begin()):
             return False
+        if self._changes != self._config.changes:
+            self._draw_lines()
         dead = self._config.motors_dead_band * 4096 // 100
         counts = self._counts
         _servo_counts(angles, self._centre, self._slope, self._servo_channels, 2 * self._axles, counts[0])
@@ -139,6 +144,18 @@ class Outputs:
                 chip.deinit()
             except OSError:
                 pass
+
+    def _draw_lines(self):
+        """Each wheel's count over its angle, a line with a centre and a slope, in 2**-15 counts."""
+        config = self._config
+        chip = self._chips[0]
+        for k in range(2 * self._axles):
+            first = chip.counts(config.servos_pulse_low[k], 32768)
+            last = chip.counts(config.servos_pulse_high[k], 32768)
+            slope = (last - first + 900) // 1800 * config.servos_directions[k]
+            self._centre[k] = (first + last) // 2 + slope * config.servos_trims[k]
+            self._slope[k] = slope
+        self._changes = config.changes
 
     def _send(self, k):
         chip = self._chips[k]
@@ -181,16 +198,3 @@ class Outputs:
 def _clear(counts):
     for k in range(len(counts)):
         counts[k] = 0
-
-
-def _servo_lines(chip, config):
-    """Centre and slope of each wheel's count over its angle, in 2**-15 counts and counts per 0.1 deg."""
-    centre = array("i")
-    slope = array("h")
-    for k in range(2 * config.axles):
-        low, high = config.servos_pulse_low[k], config.servos_pulse_high[k]
-        first, last = chip.counts(low, 32768), chip.counts(high, 32768)
-        gain = (last - first + 900) // 1800 * config.servos_directions[k]
-        centre.append((first + last) // 2 + gain * config.servos_trims[k])
-        slope.append(gain)
-    return centre, slope

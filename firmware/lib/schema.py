@@ -1,9 +1,10 @@
 """Every parameter of the robot, once: checking of robot.json, live tuning and the reference page all read this table.
 
-A row is (key, kind, default, low, high, unit, meaning). Rows of BOOT count from the next start, rows of LIVE at once.
+A row is (key, kind, default, low, high, unit, meaning). Rows of BOOT count from the next start, rows of LIVE at once; the latter are whole
+numbers, computed with as they stand in the file.
 
 kind        value in robot.json
-int         whole number (or any number, where the unit is one of SCALES), low .. high
+int         whole number (or any number, where a row of BOOT has one of the units of SCALES), low .. high
 number      any number, low .. high
 flag        true or false
 choice      one of the texts in `low`
@@ -19,7 +20,7 @@ A default of None: for axles.first half the sum of the spacings, for channels 0,
 The attribute of `Config` is the key with a dot turned into an underscore: lidar.baud is config.lidar_baud.
 """
 
-# Unit in robot.json -> (factor to the integer the firmware computes with, what is added to the name of the attribute)
+# Unit of a row of BOOT -> (factor to the integer the firmware computes with, what is added to the name of the attribute)
 SCALES = {
     "deg": (10, ""),  # 0.1 deg
     "r/s": (20, "20"),  # 1/20 r/s
@@ -83,6 +84,7 @@ BOOT = (
     ("screen.baud", "int", 115200, 9600, 921600, "Bd", "speed of the screen's line"),
     ("wifi.ssid", "text", "", None, 32, "", "network to join; empty: no radio"),
     ("wifi.password", "text", "", None, 63, "", "its password"),
+    ("wifi.access_point", "flag", False, None, None, "", "true: be the network instead of joining it"),
     ("wifi.port", "int", 9750, 1024, 65535, "", "UDP port of the telemetry"),
 )
 
