@@ -4,6 +4,8 @@ Each wheel's servo slews towards the angle of its last pulse and its motor follo
 the velocities of all wheels best (least squares); what is left over is scrub, the speed at which the wheels drag sideways or slip.
 """
 
+from math import exp, hypot, sqrt
+
 import numpy as np
 
 STEP_US = 2000
@@ -35,6 +37,7 @@ class Body:
         self._back = self._wheels.T.copy()
         self.trim_error = np.radians(random.normal(0, TRIM_ERROR, n))
         self.gain = 1 + random.normal(0, GAIN_ERROR, n) + random.uniform(-ROLL_ERROR, ROLL_ERROR)
+        self._reach = hypot(vehicle.width, vehicle.length) / 2
         self._rate = np.radians(SLEW) / 1e6
 
         self.angles = self.trim_error.copy()
@@ -43,7 +46,7 @@ class Body:
         self.speed_targets = np.zeros(n)
         self.now = 0.0
         self.x, self.y, self.heading = pose
-        self.twist = np.zeros(3)
+        self.twist = [0.0] * 3
         self.scrub = 0.0
         self._scrub_sum = self._scrub_time = 0.0
         self.times = np.zeros(8192)
@@ -65,6 +68,11 @@ class Body:
         """New wheel speeds, mm/s."""
         self.speed_targets = speeds * self.gain
 
+    @property
+    def fastest(self):
+        """Upper bound of the speed of any point of the body, mm/s."""
+        return hypot(self.twist[0], self.twist[1]) + abs(self.twist[2]) * self._reach
+
     def still(self):
         """True when nothing moves or is about to."""
         return not (self.speed_targets.any() or np.abs(self.speeds).max() > 0.05)
@@ -81,30 +89,31 @@ class Body:
         lag = self.speeds - self.speed_targets
         if swing.any():
             reach = (middle * self._rate)[:, None]
-            angles = self.angles + np.clip(swing, -reach, reach)
-            self.angles = self.angles + np.clip(swing, -self._rate * span, self._rate * span)
+            angles = self.angles + _limited(swing, reach)
+            self.angles = self.angles + _limited(swing, self._rate * span)
         else:
             angles = self.angles[None]
         speeds = self.speed_targets + np.exp(middle / -MOTOR_LAG_US)[:, None] * lag
-        self.speeds = self.speed_targets + np.exp(span / -MOTOR_LAG_US) * lag
+        self.speeds = self.speed_targets + exp(span / -MOTOR_LAG_US) * lag
         wheels = np.concatenate([speeds * np.sin(angles), speeds * np.cos(angles)], axis=1)
         twists = wheels @ self._fit
         slip = wheels - twists @ self._back
-        self.scrub = float(np.sqrt(np.mean(slip * slip) * 2))
+        slip = slip.ravel()
+        self.scrub = sqrt(2 * slip.dot(slip) / len(slip))
         if np.abs(self.speeds).max() > MOVING:
             self._scrub_sum += self.scrub * span
             self._scrub_time += span
-        self.twist = twists[-1]
+        self.twist = twists[-1].tolist()
 
         step = span / steps / 1e6
         turns = twists[:, 2] * step
-        headings = self.heading + np.cumsum(turns)
+        headings = self.heading + turns.cumsum()
         half = headings - turns / 2
         s, c = np.sin(half), np.cos(half)
         end = self._reserve(steps)
         poses = self.poses[self.count : end]
-        poses[:, 0] = self.x + np.cumsum(twists[:, 0] * c + twists[:, 1] * s) * step
-        poses[:, 1] = self.y + np.cumsum(twists[:, 1] * c - twists[:, 0] * s) * step
+        poses[:, 0] = self.x + (twists[:, 0] * c + twists[:, 1] * s).cumsum() * step
+        poses[:, 1] = self.y + (twists[:, 1] * c - twists[:, 0] * s).cumsum() * step
         poses[:, 2] = headings
         self.times[self.count : end] = self.now + np.arange(1, steps + 1) * (span / steps)
         self.count = end
@@ -115,7 +124,7 @@ class Body:
         """Undo the motion since the history had `count` entries: the body is held at `pose`."""
         self.poses[count : self.count] = pose
         self.x, self.y, self.heading = pose
-        self.twist = np.zeros(3)
+        self.twist = [0.0] * 3
 
     def poses_at(self, times):
         """x, y, heading at each time, us, within the history."""
@@ -130,9 +139,9 @@ class Body:
         """Only the servos move."""
         swing = self.targets - self.angles
         if swing.any():
-            self.angles = self.angles + np.clip(swing, -self._rate * span, self._rate * span)
+            self.angles = self.angles + _limited(swing, self._rate * span)
         self.speeds = np.zeros_like(self.speeds)
-        self.twist = np.zeros(3)
+        self.twist = [0.0] * 3
         self.scrub = 0.0
         end = self._reserve(1)
         self.times[end - 1] = time
@@ -147,3 +156,8 @@ class Body:
             self.times = np.concatenate([self.times, np.zeros_like(self.times)])
             self.poses = np.concatenate([self.poses, np.zeros_like(self.poses)])
         return end
+
+
+def _limited(values, limit):
+    """Values within -limit .. limit."""
+    return np.minimum(np.maximum(values, -limit), limit)

@@ -26,7 +26,7 @@ class Progress(Watch):
         self._next = simulation.now + EVERY_US
         body = simulation.body
         line = f"{simulation.now / 1e6:5.1f} s  x {body.x:5.0f}  y {body.y:5.0f}  heading {degrees(body.heading) % 360:4.0f}"
-        line += f"  clearance {simulation.clearance:4.0f} mm"
+        line += f"  clearance {simulation.contact.clearance():4.0f} mm"
         if simulation.decisions:
             line += "  " + describe(simulation.decisions[-1])
         self._out(line)

@@ -32,6 +32,12 @@ class Pca9685:
         if not data:
             return
         self.pointer = data[0]
+        end = self.pointer + len(data) - 1
+        if self.registers[MODE1] & AI and LED0 <= self.pointer and end <= LAST_LED + 1:  # the usual burst, in one piece
+            self.registers[self.pointer : end] = data[1:]
+            self.registers[MODE1] &= ~RESTART
+            self.pointer = end if end <= LAST_LED else 0
+            return
         for value in data[1:]:
             self._store(self.pointer, value)
             self._step()

@@ -6,18 +6,15 @@ import numpy as np
 
 from . import process
 from .body import Body
+from .contact import Contact
 from .delta2b import DELAY_US, Delta2B
 from .electronics import Electronics
 from .line import Line
 from .world import World
 
-STEP_US = 10_000.0  # longest step without a look at the walls
-CLOSE = 60.0  # mm; nearer than this every step looks
-TOUCH = 12.0  # mm; a deeper overlap blocks
-RELEASE = 2.0  # mm; a contact is over when the body is so far away
+STEP_US = 10_000.0
 LIMIT_US = 60e6
-STUCK_US = 10e6  # blocked so long without getting `STUCK` mm away ends the run
-STUCK = 30.0
+STUCK_US = 10e6  # held by a wall for so long: the run is over
 ROOM = process.REPLY - process.PAYLOAD
 CHUNKS = 4
 
@@ -47,6 +44,7 @@ class Simulation:
 
     course: Course. vehicle: Vehicle. seed: of the imperfections; other than 0 it perturbs the start as well. watch: Watch.
 
+    now: simulated time, us. body, lidar, electronics, contact: the parts; a Watch may change what they hold, to see what the firmware does.
     result: None until the run is over, then one of PASS, LOCAL_COLLISION, BLOCKED, TIMEOUT; reason: why, when there is more to say.
     """
 
@@ -56,28 +54,17 @@ class Simulation:
         self.course = course
         self._vehicle = vehicle
         self._watch = watch
-        self._half = vehicle.width / 2, vehicle.length / 2
-        self._world = World(course.segments)
+        world = World(course.segments)
         self.body = Body(vehicle, robot, perturbed(course.start, start) if seed else course.start)
-        self.lidar = Delta2B(vehicle.lidar, self._world, noise, version)
+        self.lidar = Delta2B(vehicle.lidar, world, noise, version)
         self.electronics = Electronics(vehicle, self.body, self.lidar)
+        self.contact = Contact(world, self.body, vehicle.width / 2, vehicle.length / 2)
+        self.now = 0
         self._line = Line()
         self.decisions = []
         self.overflows = 0
         self.result = None
         self.reason = ""
-        self.contacts = 0
-        self.touches = []  # (time us, x, y, heading) at which a contact began
-        self._touching = False
-        self._checked = 0.0, 1, course.start
-        self._blocked_at = None  # (time, x, y) of the first refusal in this place
-        self.clearance = self.min_clearance = float("inf")
-        self._look()
-
-    @property
-    def now(self):
-        """Simulated time, us."""
-        return self.body.now
 
     def serve(self, request):
         """Let the events and the time of a request happen; returns what `Process.answer` wants."""
@@ -95,7 +82,8 @@ class Simulation:
                 electronics.pwm(time, where, value / 65535)
             elif kind == process.UART_OUTPUT:
                 self._watch.uart(time, where, data)
-        self._move(request.target)
+        self._run_up_to(request.target)
+        self.now = request.target
         inputs = electronics.levels, electronics.addresses, electronics.battery_reading
         if request.kind == process.READ:
             return 0, *inputs, (), electronics.i2c_read(request.address, request.size)
@@ -125,53 +113,36 @@ class Simulation:
             self._watch.decision(self.decisions[-1])
 
     def _move(self, time):
-        """Let the body and the lidar go on to the time, us."""
-        body, electronics, lidar = self.body, self.electronics, self.lidar
-        while body.now < time and self.result is None:
-            end = min(time, electronics.latch, lidar.due, body.now + STEP_US)
-            if end > body.now:
-                body.advance(end)
-            if self.clearance < CLOSE or body.now - self._checked[0] >= STEP_US:
-                self._look()
-            if end == electronics.latch:
-                electronics.take_pulses()
-            if end == lidar.due:
-                self._line.send(end + DELAY_US, lidar.take(body.poses_at))
+        """Let the body go on to the time, us, and the lidar with it."""
+        while self.body.now < time and self.result is None:
+            self._step(min(time, self._next()))
 
-    def _look(self):
-        """Contact with the walls, the goal, the limits."""
-        body = self.body
-        checked, count, pose = self._checked
-        now_pose = body.x, body.y, body.heading
-        if now_pose != pose or not body.now:
-            clearance, _ = self._world.clearance(*now_pose, *self._half)
-            if clearance < -TOUCH and clearance < self.clearance - 1e-9:
-                body.put_back(count, pose)
-                self._refused()
-            else:
-                self.clearance = clearance
-                self._touch(clearance)
-        self._checked = body.now, body.count, (body.x, body.y, body.heading)
+    def _run_up_to(self, time):
+        """As far as something happens by the time; what is left of it waits for the next event, and saves a step."""
+        while self._next() <= time and self.result is None:
+            self._step(self._next())
+
+    def _next(self):
+        """Time of the next thing to happen by itself, us."""
+        return min(self.electronics.latch, self.lidar.due, self.body.now + STEP_US)
+
+    def _step(self, end):
+        body, contact = self.body, self.contact
+        span = end - body.now
+        if span > 0:
+            body.advance(end)
+            contact.follow(span)
+        if end == self.electronics.latch:
+            self.electronics.take_pulses()
+        if end == self.lidar.due:
+            self._line.send(end + DELAY_US, self.lidar.take(body.poses_at))
         if self.course.through(body.x, body.y):
-            self._end(LOCAL_COLLISION if self.contacts else PASS)
-        elif body.now >= LIMIT_US:
-            self._end(BLOCKED if self._blocked_at else TIMEOUT, "60 s are over")
-
-    def _touch(self, clearance):
-        self.min_clearance = min(self.min_clearance, clearance)
-        if clearance <= 0 and not self._touching:
-            self._touching = True
-            self.contacts += 1
-            self.touches.append((self.body.now, self.body.x, self.body.y, self.body.heading))
-        elif clearance > RELEASE:
-            self._touching = False
-
-    def _refused(self):
-        body = self.body
-        if self._blocked_at is None or np.hypot(body.x - self._blocked_at[1], body.y - self._blocked_at[2]) > STUCK:
-            self._blocked_at = body.now, body.x, body.y
-        elif body.now - self._blocked_at[0] > STUCK_US:
+            self._end(LOCAL_COLLISION if contact.touches else PASS)
+        elif contact.held_us > STUCK_US:
             self._end(BLOCKED, "held by a wall for 10 s")
+        elif end >= LIMIT_US:
+            held = contact.refused is not None and end - contact.refused < STUCK_US
+            self._end(BLOCKED if held else TIMEOUT, "60 s are over")
 
     def _end(self, result, reason=""):
         if self.result is None:

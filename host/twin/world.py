@@ -3,6 +3,8 @@
 import numpy as np
 
 FAR = 1e9
+_CORNER_X = np.array([[1.0], [1.0], [-1.0], [-1.0]])
+_CORNER_Y = np.array([[1.0], [-1.0], [1.0], [-1.0]])
 
 
 class World:
@@ -68,9 +70,7 @@ class World:
         best = np.minimum(first, second)
         tx, ty = self._tangent
         tx, ty = tx * c - ty * s, tx * s + ty * c
-        cx = np.array([[half_width], [half_width], [-half_width], [-half_width]])
-        cy = np.array([[half_length], [-half_length], [half_length], [-half_length]])
-        rx, ry = cx - x1, cy - y1
-        along = np.clip(rx * tx + ry * ty, 0, self._length)
+        rx, ry = half_width * _CORNER_X - x1, half_length * _CORNER_Y - y1
+        along = np.minimum(np.maximum(rx * tx + ry * ty, 0), self._length)
         corner = np.hypot(rx - along * tx, ry - along * ty).min(axis=0)
         return np.minimum(best, corner)

@@ -1,0 +1,127 @@
+"""Writes a run of the twin into a recording (format: `host.recording`)."""
+
+import hashlib
+import os
+import time
+from math import degrees
+from pathlib import Path
+
+from host import recording
+from host.recording import Stream
+
+from . import image
+from .console import reasons
+from .simulation import PASS, Watch
+
+POSE_US = 20_000  # no more poses than one in this time
+OUT = image.ROOT / "out"
+
+
+def sources_digest(firmware):
+    """SHA-256 (hex) of the firmware's sources: a replay with the same ones must give the same decisions."""
+    digest = hashlib.sha256()
+    for path in [Path(firmware) / "main.py", *sorted((Path(firmware) / "lib").rglob("*.py"))]:
+        digest.update(path.relative_to(firmware).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+class Recorder(Watch):
+    """Records all that goes into and comes out of the firmware.
+
+    writer: recording.Writer. Of several watches this must be the first to be told, so that it sees the inputs as the firmware did.
+    """
+
+    def __init__(self, writer):
+        self._writer = writer
+        self._now = 0
+        self._inputs = None
+        self._next_pose = 0
+
+    @classmethod
+    def begin(cls, path, robot, source, firmware, notes):
+        """Open a recording for one run.
+
+        path: file to write; None: one in out/ that `finish` keeps only if the run ends badly. robot: text of robot.json. source: address
+        of the course. firmware: folder of the firmware. notes: dict of what else is worth knowing.
+        """
+        kept = path is not None
+        if not kept:
+            name = "".join(letter if letter.isalnum() else "-" for letter in source.removeprefix("twin:"))
+            path = OUT / f"{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}-{name}.rec"
+        header = recording.Header(
+            firmware=sources_digest(firmware)[:12], robot=robot, source=source, reasons=tuple(reasons()), notes=notes,
+        )
+        recorder = cls(recording.Writer(path, header))
+        recorder._kept = kept
+        return recorder
+
+    def lidar(self, time, data):
+        self._writer.write(Stream.LIDAR, int(time), data)
+
+    def registers(self, time, address, data):
+        self._writer.write(Stream.REGISTERS, int(time), bytes((address,)) + data)
+
+    def decision(self, decision):
+        time, *fields = vars(decision).values()
+        self._writer.write(Stream.DECISION, int(time), recording.Decision(*fields).pack())
+
+    def uart(self, time, gpio, data):
+        self._writer.write(Stream.UART, int(time), bytes((gpio,)) + data)
+
+    def serial(self, data):
+        self._writer.write(Stream.TELEMETRY, self._now, data)
+
+    def command(self, data):
+        """Bytes about to be sent to the board's serial line, after the `step` that has just been told."""
+        self._writer.write(Stream.COMMAND, self._now, data)
+
+    def step(self, simulation):
+        self._now = int(simulation.now)
+        electronics, body = simulation.electronics, simulation.body
+        inputs = recording.Inputs(electronics.levels, electronics.battery_reading, tuple(electronics.addresses))
+        if inputs != self._inputs:
+            self._inputs = inputs
+            self._writer.write(Stream.INPUTS, self._now, inputs.pack())
+        if self._now >= self._next_pose:
+            self._next_pose = self._now + POSE_US
+            self._writer.write(Stream.POSE, self._now, recording.Pose(body.x, body.y, degrees(body.heading)).pack())
+
+    def finish(self, result, reason):
+        """Say how the run ended and complete the file; returns its path, or None if nobody wants it."""
+        self._writer.event(self._now, f"{result}: {reason}" if reason else result)
+        self._writer.close()
+        if self._kept or result != PASS:
+            return self._writer.path
+        self._writer.path.unlink()
+        return None
+
+
+class Several(Watch):
+    """Tells several watches, in their order."""
+
+    def __init__(self, *watches):
+        self._watches = watches
+
+    def lidar(self, time, data):
+        for watch in self._watches:
+            watch.lidar(time, data)
+
+    def registers(self, time, address, data):
+        for watch in self._watches:
+            watch.registers(time, address, data)
+
+    def decision(self, decision):
+        for watch in self._watches:
+            watch.decision(decision)
+
+    def uart(self, time, gpio, data):
+        for watch in self._watches:
+            watch.uart(time, gpio, data)
+
+    def serial(self, data):
+        for watch in self._watches:
+            watch.serial(data)
+
+    def step(self, simulation):
+        for watch in self._watches:
+            watch.step(simulation)
