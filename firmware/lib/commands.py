@@ -7,7 +7,7 @@ from time import ticks_diff
 from micropython import const
 
 import telemetry
-from auth import SESSION, TAG, same, tag
+from auth import TAG, same, tag
 
 _SILENCE_US = const(250_000)  # manual driving stops after this, so that the robot stands within 300 ms
 _FIRST = telemetry.DRIVE
@@ -54,11 +54,10 @@ class Commands:
         self.state = telemetry.STOPPED
         self.v = 90
 
-    def obey(self, decoder, signed, now_us, robot):
+    def obey(self, decoder, signed, now_us, settings):
         """Carry out the command the decoder has just taken; True when it is one and genuine (a reply is due then).
 
-        signed: it must carry a tag. robot: has `tune(key, value)`, `keep()` and `trim(wheel, angle)`, which raise ValueError with a text
-        that says what is wrong.
+        signed: it must carry a tag. settings: a Settings.
         """
         kind, start, end = decoder.kind, decoder.start, decoder.end
         if signed:
@@ -85,7 +84,7 @@ class Commands:
         if signed:
             self.counter = counter
         try:
-            self.reply_status = self._carry_out(kind, payload, now_us, robot)
+            self.reply_status = self._carry_out(kind, payload, now_us, settings)
         except ValueError as error:
             self.refused += 1
             self.reply_status = telemetry.REFUSED
@@ -97,7 +96,7 @@ class Commands:
             return False
         return same(tag(self._key, self._session, memoryview(data)[start:end]), memoryview(data)[end : end + TAG])
 
-    def _carry_out(self, kind, payload, now_us, robot):
+    def _carry_out(self, kind, payload, now_us, settings):
         if kind == telemetry.DRIVE:
             self._drive(payload, now_us)
         elif kind == telemetry.TUNE:
@@ -108,17 +107,17 @@ class Commands:
                 value = json.loads(value)
             except ValueError:
                 raise ValueError("%s: %s is no value as in JSON" % (key, value))
-            robot.tune(key.strip(), value)
+            settings.tune(key.strip(), value)
         elif kind == telemetry.KEEP:
-            robot.keep()
+            settings.keep()
         elif kind == telemetry.WATCH:
             self.watch = _fields(telemetry.WATCH_FORMAT, payload)[1]
         elif kind == telemetry.LIST:
             self.listing = 0
-        elif kind == telemetry.TRIM:
-            _, wheel, angle = _fields(telemetry.TRIM_FORMAT, payload)
+        elif kind == telemetry.POINT:
+            _, wheel, angle = _fields(telemetry.POINT_FORMAT, payload)
             self.stop()
-            robot.trim(wheel, angle)
+            settings.point(wheel, angle)
         elif len(payload) > 4 and payload[4] & 1:
             self.greeted = True
         return telemetry.OK
@@ -145,8 +144,3 @@ def _fields(form, payload):
     if len(payload) < struct.calcsize(form):
         raise ValueError("%d bytes are too few" % len(payload))
     return struct.unpack_from(form, payload)
-
-
-def new_session(urandom):
-    """Random bytes that name this boot; urandom as in os."""
-    return urandom(SESSION)

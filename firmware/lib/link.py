@@ -1,6 +1,6 @@
 """The robot's link to people: says what it does, hears what they want, over USB and, if there are credentials, over WiFi.
 
-    link = Link(config, identity, names, carriers, session, key)
+    link = start_link(config, settings, machine)       or Link(...), with the carriers handed in
     link.update(now_us, robot)        once a loop; never waits, at most one message a call and carrier
     link.frame(lidar)                 after each frame of the lidar
     link.state, link.af, link.ar, link.v    what is asked for: telemetry.STOPPED, AUTO, MANUAL; AF, AR (0.1 deg) and V count in MANUAL
@@ -8,19 +8,23 @@
 robot has
     avoid, drive, odometry, lidar, health     as in docs/architecture.md
     took_us                          computing time that went into the latest decision
-    tune(key, value), keep(), trim(wheel, angle)     which raise ValueError with a text for the person who asked
 
 Frames that a slow carrier cannot take are dropped and counted.
 """
 
+import os
 from time import ticks_diff
 
-from micropython import const
-
 import telemetry
+from auth import SESSION
+from carriers import Datagrams, SerialLine, start_radio
 from commands import Commands
+from health import FAULTS
+from micropython import const
+from reasons import REASONS
 from report import Report, ScanGatherer
 from telemetry import Encoder
+from version import VERSION
 
 # How often each message goes out. Together they keep within half of what the USB line carries, scans not counted.
 _WHEELS_US = const(50_000)
@@ -29,17 +33,24 @@ _HEALTH_US = const(500_000)
 _HELLO_US = const(1_000_000)
 _NAMES_HELLOS = const(8)
 
+KEY_FILE = "network.key"
+_BOOTS = {1: "power", 2: "reset", 3: "watchdog", 4: "sleep", 5: "restart"}  # machine.reset_cause() of the ESP32
+
 
 class Link:
-    """See above. carriers: list of SerialLine and Datagrams."""
+    """See above.
 
-    def __init__(self, config, identity, names, carriers, session, key=None):
+    settings: Settings; identity, names: see Report; carriers: list of SerialLine and Datagrams; session, key: see Commands.
+    """
+
+    def __init__(self, config, settings, identity, names, carriers, session, key=None):
         self._carriers = carriers
         self._session = session
         self._commands = Commands(session, key)
         self._encoder = Encoder()
         self._report = Report(self._encoder, identity, names)
-        self._scan = ScanGatherer(config.lidar_frames)
+        self._scan = None
+        self._settings = settings
         self._config = config
         self.dropped = 0
         self.radio = any(carrier.signed for carrier in carriers)
@@ -90,6 +101,9 @@ class Link:
     def frame(self, lidar):
         """Take note of a lidar frame, for those who want raw scans."""
         if self._commands.watch & 1:
+            if self._scan is None:
+                # 1.4 kB that most robots never need
+                self._scan = ScanGatherer(self._config.lidar_frames)
             self._scan.add(lidar)
 
     def update(self, now_us, robot):
@@ -101,7 +115,7 @@ class Link:
             listened = listened or carrier.busy
             decoder = carrier.decoder
             while decoder.take():
-                if commands.obey(decoder, carrier.signed, now_us, robot):
+                if commands.obey(decoder, carrier.signed, now_us, self._settings):
                     carrier.heard(now_us)
                     self._send_to(carrier, self._report.reply(commands), now_us)
         commands.expire(now_us)
@@ -135,7 +149,7 @@ class Link:
             self._points_us = now_us
             self._points_of = self._decisions
             return report.points(avoid, now_us)
-        if self._scan.ready:
+        if self._scan is not None and self._scan.ready:
             return self._scan.take(self._encoder)
         if self._due(now_us, self._health_us, _HEALTH_US):
             self._health_us = now_us
@@ -174,3 +188,37 @@ class Link:
 
     def _due(self, now_us, last_us, period_us):
         return last_us is None or ticks_diff(now_us, last_us) >= period_us
+
+
+def start_link(config, settings, machine):
+    """Link over USB and, if robot.json names a network, over WiFi. Without it the radio is never touched.
+
+    machine: the module. Commands over WiFi need the file network.key; without it they are all refused.
+    """
+    carriers = [SerialLine()]
+    key = None
+    if config.wifi_ssid:
+        import network
+        import socket
+
+        carriers.append(Datagrams(start_radio(config, network), socket, config.wifi_port))
+        try:
+            with open(KEY_FILE, "rb") as file:
+                key = file.read()
+        except OSError:
+            pass
+    board = machine.unique_id().hex()
+    identity = {
+        "firmware": VERSION,
+        "robot": "gapseeker-" + board[-4:],
+        "board": board,
+        "boot": _BOOTS.get(machine.reset_cause(), "unknown"),
+        "width": config.robot_width,
+        "length": config.robot_length,
+        "track": config.axles_track,
+        "spacings": list(config.axles_spacings),
+        "first": config.axles_first,
+        "full_speed": config.motors_full_speed,
+        "lidar": [config.lidar_x, config.lidar_y],
+    }
+    return Link(config, settings, identity, {"reasons": REASONS, "faults": FAULTS}, carriers, os.urandom(SESSION), key)

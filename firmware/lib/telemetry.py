@@ -42,7 +42,7 @@ Laptop to robot; each payload begins with a counter u32
     43 KEEP        write what was tuned to robot.json on the board
     44 WATCH       flags u8: bit 0 send SCAN, bit 1 send CANDIDATES
     45 LIST        send every PARAMETER
-    46 TRIM        wheel u8 (2(i-1)+(j-1)), angle i16: turn this wheel alone while the robot stands still
+    46 POINT       wheel u8 (2(i-1)+(j-1)), angle i16: turn this wheel alone while the robot stands; its trim is the parameter servos.trims.WHEEL
     47 GREET       what u8: bit 0 send HELLO and NAMES. Over UDP the robot sends to whom it last heard a valid command from, for 3 s
 
 Commands over UDP end with a tag of 8 bytes: the first 8 bytes of HMAC-SHA256 under the robot's key, see `auth`. Over USB there is none:
@@ -84,7 +84,7 @@ TUNE = const(0x42)
 KEEP = const(0x43)
 WATCH = const(0x44)
 LIST = const(0x45)
-TRIM = const(0x46)
+POINT = const(0x46)
 GREET = const(0x47)
 
 STOPPED = const(0)
@@ -112,7 +112,7 @@ COUNTER_FORMAT = "<I"
 DRIVE_FORMAT = "<IBhhB"
 WATCH_FORMAT = "<IB"
 GREET_FORMAT = "<IB"
-TRIM_FORMAT = "<IBh"
+POINT_FORMAT = "<IBh"
 
 NO_POINT = const(32767)
 TIME_MASK = const(0x3FFFFFFF)

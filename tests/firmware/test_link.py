@@ -56,6 +56,10 @@ class Robot:
 
     def __init__(self):
         self.avoid = self.drive = self.odometry = self.health = self.lidar = Part()
+
+
+class Settings:
+    def __init__(self):
         self.tuned = []
 
     def tune(self, key, value):
@@ -66,7 +70,7 @@ class Robot:
     def keep(self):
         self.tuned.append("kept")
 
-    def trim(self, wheel, angle):
+    def point(self, wheel, angle):
         self.tuned.append((wheel, angle))
 
 
@@ -115,8 +119,11 @@ class Line:
 
 def make(signed=False, key=KEY):
     line = Line(signed)
-    link = Link(Config(), {"firmware": "1"}, {"reasons": ["a"]}, [line], SESSION, key)
-    return link, line, Robot()
+    settings = Settings()
+    link = Link(Config(), settings, {"firmware": "1"}, {"reasons": ["a"]}, [line], SESSION, key)
+    robot = Robot()
+    robot.tuned = settings.tuned
+    return link, line, robot
 
 
 def drive(counter, what, af=0, ar=0, v=90):
@@ -213,10 +220,10 @@ def test_what_cannot_be_is_refused_with_a_text():
     assert robot.tuned == [] and link.state == telemetry.AUTO
 
 
-def test_tune_keep_trim_and_list():
+def test_tune_keep_point_and_list():
     link, line, robot = make()
     line.receive(frame(telemetry.TUNE, b"\1\0\0\0avoid.margin=20") + frame(telemetry.KEEP, b"\2\0\0\0"))
-    line.receive(frame(telemetry.TRIM, struct.pack(telemetry.TRIM_FORMAT, 3, 4, -25)) + frame(telemetry.LIST, b"\4\0\0\0"))
+    line.receive(frame(telemetry.POINT, struct.pack(telemetry.POINT_FORMAT, 3, 4, -25)) + frame(telemetry.LIST, b"\4\0\0\0"))
     kinds = run(link, line, robot)
     assert robot.tuned == [("avoid.margin", 20), "kept", (4, -25)]
     parameters = [json.loads(payload) for payload in kinds[telemetry.PARAMETER]]
@@ -307,6 +314,7 @@ def test_telling_allocates_nothing():
     line.receive(frame(telemetry.WATCH, b"\1\0\0\0\1"))
     for now in range(0, 300_000, 5000):
         link.update(now, robot)
+        link.frame(robot.lidar)
     part = robot.avoid
     part.decisions = 1  # an attribute of its own, made before the heap is locked
     micropython.heap_lock()
