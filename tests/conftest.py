@@ -1,0 +1,119 @@
+"""Every test of the firmware runs twice: here in CPython, and in the real MicroPython, where it is named test_...[micropython].
+
+One MicroPython process runs the selected tests of one file (tests/firmware/runner.py). All of them run in an empty folder.
+"""
+
+import ast
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+FIRMWARE_TESTS = ROOT / "tests" / "firmware"
+TIME_LIMIT_S = 300
+
+if str(ROOT) not in sys.path:
+    sys.path.insert(0, str(ROOT))
+
+from host import compat  # noqa: E402
+
+compat.install()
+
+
+def find_tool(name):
+    """Path of an executable of the Python environment the tests run in, or else of the search path; None if there is none."""
+    beside = Path(sys.executable).parent / name
+    return str(beside) if beside.exists() else shutil.which(name)
+
+
+@pytest.fixture(autouse=True)
+def _empty_folder(request):
+    if FIRMWARE_TESTS in request.path.parents:
+        request.getfixturevalue("monkeypatch").chdir(request.getfixturevalue("tmp_path"))
+
+
+def pytest_collect_file(file_path, parent):
+    if file_path.parent == FIRMWARE_TESTS and file_path.name.startswith("test_") and file_path.suffix == ".py":
+        return MicroPythonFile.from_parent(parent, path=file_path)
+    return None
+
+
+class MicroPythonFile(pytest.File):
+    """The tests of one file, run by one MicroPython process when the first of them is due."""
+
+    def collect(self):
+        self._outcomes = None
+        for node in ast.parse(self.path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
+                yield MicroPythonItem.from_parent(self, name=node.name + "[micropython]", function=node.name, line=node.lineno)
+
+    def outcome(self, function):
+        """(passed, output) of one test."""
+        if self._outcomes is None:
+            selected = [item.function for item in self.session.items if item.parent is self]
+            with tempfile.TemporaryDirectory() as folder:
+                self._outcomes = self._run(selected, folder)
+        return self._outcomes.get(function, (False, self._outcomes[None]))
+
+    def _run(self, functions, folder):
+        micropython = find_tool("micropython")
+        if micropython is None:
+            return {None: "micropython is not installed: run `make setup`"}
+        path = ":".join(map(str, (FIRMWARE_TESTS, ROOT / "firmware" / "lib")))
+        command = [micropython, str(FIRMWARE_TESTS / "runner.py"), self.path.stem, *functions]
+        try:
+            process = subprocess.run(
+                command, cwd=folder, env={**os.environ, "MICROPYPATH": path}, capture_output=True, text=True, errors="replace", timeout=TIME_LIMIT_S
+            )
+        except subprocess.TimeoutExpired as stuck:
+            output = (stuck.stdout or b"").decode(errors="replace")
+            return _outcomes(output, "stopped: not done after %d s" % TIME_LIMIT_S)
+        return _outcomes(process.stdout, process.stderr + "the interpreter ended with code %d" % process.returncode)
+
+
+def _outcomes(output, ending):
+    """{test: (passed, output)} of what the runner printed; under None what stands for a test that was never finished."""
+    outcomes = {}
+    lines = []
+    for line in output.splitlines():
+        word, _, name = line.removeprefix("## ").partition(" ")
+        if line.startswith("## start "):
+            lines = []
+        elif line.startswith(("## passed ", "## failed ")):
+            outcomes[name] = (word == "passed", "\n".join(lines))
+            lines = []
+        else:
+            lines.append(line)
+    outcomes[None] = "\n".join([*lines, ending])
+    return outcomes
+
+
+class MicroPythonFailure(Exception):
+    """A test failed under MicroPython; the text is its output."""
+
+
+class MicroPythonItem(pytest.Item):
+    def __init__(self, *, function, line, **kwargs):
+        super().__init__(**kwargs)
+        self.function = function
+        self.line = line
+
+    def runtest(self):
+        passed, output = self.parent.outcome(self.function)
+        if not passed:
+            raise MicroPythonFailure(output)
+        if output:
+            self.add_report_section("call", "stdout", output)
+
+    def repr_failure(self, excinfo):
+        if isinstance(excinfo.value, MicroPythonFailure):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo)
+
+    def reportinfo(self):
+        return self.path, self.line - 1, self.name
