@@ -11,20 +11,21 @@ The first record is the header, its payload a JSON object:
     firmware   version of the firmware that ran
     robot      the text of robot.json, unchanged
     source     address of what was recorded: twin:z?width=550&seed=3, serial:/dev/ttyUSB0, ...
-    clock      whose time it is: "robot" (the firmware's own ticks; only such a recording can be replayed) or "host"
+    clock      whose time it is: "robot" (the firmware's own, from its start; only such a recording can be replayed) or "host"
     reasons    the English texts that a decision's `why` points into
     notes      object; whatever else the writer wants known, by name
 
 The streams that follow, in order of time:
 
-    1 lidar       bytes as they arrived at the lidar's UART; the time is that of the last byte
-    2 registers   one I2C write: address u8, then the bytes written (register number first)
-    3 telemetry   bytes the robot sent, as `firmware/lib/telemetry.py` frames them
+    1 lidar       bytes from the lidar; the time is that at which the first of them has arrived, the others follow at the line's rate
+    2 registers   one I2C write: address u8, then the bytes written (register number first); the time is that of its end
+    3 telemetry   bytes the robot sent on its link or printed, see firmware/lib/telemetry.py
     4 decision    one decision of the firmware, see `Decision`
     5 pose        true pose of the body (twin only), see `Pose`
     6 event       UTF-8 text: touched a wall, stopped by hand, lost the link, ...
-    7 command     bytes the robot received on its link
-    8 input       level of a pin or of the ADC changed: pin u8, value u16
+    7 command     bytes sent to the robot on its link
+    8 inputs      what the robot's inputs showed from then on, see `Inputs`
+    9 uart        bytes the robot sent on another UART (its screen): GPIO u8, then the bytes
     255 end       the recording was closed properly; nothing follows
 
 Each record is one write, handed to the operating system before `write` returns: a process that dies loses nothing. A file cut
@@ -46,7 +47,6 @@ LARGEST = 1 << 24  # bytes of payload; a longer length can only be damage
 
 _PREFIX = struct.Struct("<BQI")
 _CHECK = struct.Struct("<I")
-_INPUT = struct.Struct("<BH")
 
 
 class Stream(IntEnum):
@@ -60,7 +60,8 @@ class Stream(IntEnum):
     POSE = 5
     EVENT = 6
     COMMAND = 7
-    INPUT = 8
+    INPUTS = 8
+    UART = 9
     END = 255
 
 
@@ -118,7 +119,26 @@ class Pose(NamedTuple):
         return cls(*_POSE.unpack(data))
 
 
+class Inputs(NamedTuple):
+    """What the robot can read besides the lidar.
+
+    levels: of the input pins, bit = GPIO. battery: the ADC's reading, 0..65535 over 3.3 V. addresses: I2C addresses that acknowledge.
+    """
+
+    levels: int
+    battery: int
+    addresses: tuple[int, ...]
+
+    def pack(self) -> bytes:
+        return _INPUTS.pack(self.levels, self.battery) + bytes(self.addresses)
+
+    @classmethod
+    def unpack(cls, data: bytes) -> "Inputs":
+        return cls(*_INPUTS.unpack_from(data), tuple(data[_INPUTS.size :]))
+
+
 _DECISION = struct.Struct("<IhhBBBBhhhB")
+_INPUTS = struct.Struct("<QH")
 _POSE = struct.Struct("<ddd")
 
 
@@ -175,10 +195,6 @@ class Writer:
     def event(self, time_us: int, text: str) -> None:
         """Append a remark in words."""
         self.write(Stream.EVENT, time_us, text.encode())
-
-    def input(self, time_us: int, pin: int, value: int) -> None:
-        """Append a change of an input: pin number, level 0/1 or 16-bit ADC reading."""
-        self.write(Stream.INPUT, time_us, _INPUT.pack(pin, value))
 
     def close(self) -> None:
         """Mark the end and see that it is on the disk. Calling it again does nothing."""
@@ -248,7 +264,3 @@ class Reader:
         self.cut = f"cut off at byte {at}" + ("" if prefix else ", after a whole record")
         return None
 
-
-def unpack_input(data: bytes) -> tuple[int, int]:
-    """Payload of an input record -> (pin, value)."""
-    return _INPUT.unpack(data)

@@ -1,6 +1,7 @@
 """Writes a run of the twin into a recording (format: `host.recording`)."""
 
 import hashlib
+import itertools
 import os
 import time
 from math import degrees
@@ -15,6 +16,8 @@ from .simulation import PASS, Watch
 
 POSE_US = 20_000  # no more poses than one in this time
 OUT = image.ROOT / "out"
+
+_number = itertools.count(1)  # of the recordings of this process
 
 
 def sources_digest(firmware):
@@ -36,6 +39,7 @@ class Recorder(Watch):
         self._now = 0
         self._inputs = None
         self._next_pose = 0
+        self._kept = True
 
     @classmethod
     def begin(cls, path, robot, source, firmware, notes):
@@ -47,7 +51,7 @@ class Recorder(Watch):
         kept = path is not None
         if not kept:
             name = "".join(letter if letter.isalnum() else "-" for letter in source.removeprefix("twin:"))
-            path = OUT / f"{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}-{name}.rec"
+            path = OUT / f"{time.strftime('%Y%m%d-%H%M%S')}-{name}-{os.getpid()}-{next(_number)}.rec"
         header = recording.Header(
             firmware=sources_digest(firmware)[:12], robot=robot, source=source, reasons=tuple(reasons()), notes=notes,
         )
@@ -85,6 +89,15 @@ class Recorder(Watch):
         if self._now >= self._next_pose:
             self._next_pose = self._now + POSE_US
             self._writer.write(Stream.POSE, self._now, recording.Pose(body.x, body.y, degrees(body.heading)).pack())
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        """A run that broke off leaves its recording, unless it never began."""
+        self._writer.close()
+        if not self._now:
+            self._writer.path.unlink(missing_ok=True)
 
     def finish(self, result, reason):
         """Say how the run ended and complete the file; returns its path, or None if nobody wants it."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from host.recording import MAGIC, Decision, Header, Pose, Reader, RecordingError, Stream, Writer, unpack_input
+from host.recording import MAGIC, Decision, Header, Inputs, Pose, Reader, RecordingError, Stream, Writer
 
 HEADER = Header("1.2.3", '{ "axles": 5 }\n', "twin:z?width=550", reasons=("the way is free", "Wand rechts, größer"), notes={"seed": 3})
 DECISION = Decision(70_000, -900, 900, 180, 4, 2, 255, 32767, -250, 32767, 9)
@@ -39,12 +39,13 @@ def test_payloads_survive(path):
 
 
 def test_events_and_inputs(tmp_path):
+    inputs = Inputs(1 << 39 | 1, 65535, (0x40, 0x41, 0x77))
     with Writer(tmp_path / "a.rec", HEADER) as writer:
         writer.event(5, "touched the wall at 12 °")
-        writer.input(6, 35, 65535)
+        writer.write(Stream.INPUTS, 6, inputs.pack())
     event, change = Reader(tmp_path / "a.rec")
     assert event.data.decode() == "touched the wall at 12 °"
-    assert unpack_input(change.data) == (35, 65535)
+    assert Inputs.unpack(change.data) == inputs
 
 
 def test_every_cut_is_read_up_to_the_cut(path, tmp_path):
