@@ -4,6 +4,8 @@ import argparse
 import json
 import sys
 
+from host.recording import RecordingError
+
 from . import courses
 from .console import Progress, summary_line
 from .image import FIRMWARE, ToolMissing
@@ -23,9 +25,9 @@ def main(arguments=None):
         result = run(
             options.course, options.width, options.gap, options.seed, options.mode, options.engine, options.speed, options.config,
             watch=progress, mirror=options.mirror, reverse=options.reverse, angle=options.angle, scale=options.scale,
-            firmware=options.firmware or FIRMWARE,
+            firmware=options.firmware or FIRMWARE, record=options.record,
         )
-    except (ValueError, ToolMissing, SyntaxError) as error:
+    except (ValueError, ToolMissing, SyntaxError, RecordingError) as error:
         print(f"python -m host.twin: {error}", file=sys.stderr)
         return MISUSED
     except KeyboardInterrupt:
@@ -40,6 +42,8 @@ def main(arguments=None):
         print(summary_line(result))
         if options.picture:
             print(f"picture: {options.picture}")
+    if result.recording:
+        print(f"recorded; to replay it: python -m host.replay {result.recording}", file=sys.stderr)
     return PASSED if result.result == PASS else FAILED
 
 
@@ -59,6 +63,7 @@ def _parser():
     add("--config", metavar="FILE", help="robot.json to use (default firmware/robot.json)")
     add("--firmware", metavar="FOLDER", help="main.py and lib/ to run (default firmware/)")
     add("--json", action="store_true", help="print one JSON object with the result and nothing else")
+    add("--record", metavar="FILE", help="record the run (without it, a run that ends badly leaves a recording in out/)")
     add("--picture", metavar="FILE", help="draw the run (.png)")
     add("--mirror", action="store_true", help="the course with left and right exchanged")
     add("--reverse", action="store_true", help="enter from the other end")

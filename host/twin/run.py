@@ -2,6 +2,7 @@
 
 import json
 import time
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from math import degrees
 from pathlib import Path
@@ -10,7 +11,8 @@ import numpy as np
 
 from . import courses, image
 from .process import FirmwareStopped, Process
-from .simulation import Simulation, Watch
+from .recorder import Recorder, Several
+from .simulation import BLOCKED, TIMEOUT, Simulation, Watch
 from .vehicle import Vehicle
 
 MODES = ("aws", "naws")
@@ -21,7 +23,7 @@ class Result:
     """What a run gave.
 
     track: (n, 4) time s, x mm, y mm, heading deg (clockwise from +y), not more often than 100 a second. decisions: see
-    `simulation.Decision`. touches: (time s, x, y, heading deg) where each contact began.
+    `simulation.Decision`. touches: (time s, x, y, heading deg) where each contact began. recording: file of the recording, if there is one.
     """
 
     course: str
@@ -39,6 +41,7 @@ class Result:
     decisions: int
     wall_s: float
     overflows: int
+    recording: str | None
     track: np.ndarray = field(repr=False)
     log: list = field(repr=False)
     touches: list = field(repr=False)
@@ -57,7 +60,7 @@ class Result:
 
 def run(
     course="Z", width=None, gap=500.0, seed=0, mode=None, engine="micropython", speed=None, config=None, watch=None, mirror=False,
-    reverse=False, angle=90.0, scale=1.0, changes=None, firmware=image.FIRMWARE, limit_s=None,
+    reverse=False, angle=90.0, scale=1.0, changes=None, firmware=image.FIRMWARE, limit_s=None, record=None,
 ):
     """Drive one course; returns a Result.
 
@@ -65,26 +68,42 @@ def run(
     it perturbs the start as well. mode: "aws" or "naws", None as robot.json says. speed: factor on real time, None = as fast as
     possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it. watch: simulation.Watch, told what
     happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run earlier than after 60 s.
+    record: file for a recording of the run; None records into out/ and keeps that only if the run ends badly; False never records.
     """
     began = time.monotonic()
     settings = load_config(config, mode, changes)
     vehicle = Vehicle.from_settings(settings)
     layout = courses.make(course, width, gap, seed, mirror, reverse, angle, scale)
     watch = watch or Watch()
-    simulation = Simulation(layout, vehicle, seed, watch)
-    child = Process(engine, json.dumps(settings), watch.serial, firmware)
-    try:
-        _drive(simulation, child, watch, speed, limit_s)
-    except FirmwareStopped as stopped:
-        simulation.stop(str(stopped))
-    except KeyboardInterrupt:
-        simulation.stop("interrupted")
-    finally:
-        child.close()
+    text = json.dumps(settings)
+    address = _address(course, layout.width, gap, seed, mirror, reverse, angle, scale)
+    with ExitStack() as stack:
+        recorder = None
+        if record is not False:
+            recorder = stack.enter_context(Recorder.begin(record, text, address, firmware, {"engine": engine}))
+            watch = Several(recorder, watch)
+        simulation = Simulation(layout, vehicle, seed, watch)
+        child = Process(engine, text, watch.serial, firmware)
+        stack.callback(child.close)
+        try:
+            _drive(simulation, child, watch, speed, limit_s)
+        except FirmwareStopped as stopped:
+            simulation.stop(BLOCKED, str(stopped))
+        except KeyboardInterrupt:
+            simulation.stop(TIMEOUT, "interrupted")
+        child.close()  # what it printed last belongs to the recording
+        kept = recorder.finish(simulation.result, simulation.reason) if recorder else None
     return _result(simulation, layout, vehicle, dict(
         course=course, width_mm=layout.width, gap_mm=gap, seed=seed, mode=settings.get("mode", "AWS").lower(), engine=engine,
-        wall_s=time.monotonic() - began,
+        wall_s=time.monotonic() - began, recording=str(kept) if kept else None,
     ))
+
+
+def _address(course, width, gap, seed, mirror, reverse, angle, scale):
+    """The run as an address: twin:z?width=550&seed=3."""
+    usual = dict(width=None, gap=500, seed=0, mirror=False, reverse=False, angle=90, scale=1)
+    given = dict(width=width, gap=gap, seed=seed, mirror=mirror, reverse=reverse, angle=angle, scale=scale)
+    return f"twin:{course.lower()}?" + "&".join(f"{name}={value:g}" for name, value in given.items() if value != usual[name])
 
 
 def load_config(config=None, mode=None, changes=None):
@@ -124,7 +143,7 @@ def _drive(simulation, child, watch, speed, limit_s):
             if ahead > 0:
                 time.sleep(ahead)
         if limit_s and simulation.now > limit_s * 1e6:
-            simulation.stop(f"{limit_s:g} s are over")
+            simulation.stop(TIMEOUT, f"{limit_s:g} s are over")
         commands = watch.commands()
         if commands:
             child.send_serial(commands)
