@@ -47,7 +47,7 @@ class Electronics:
     @property
     def battery_reading(self):
         """What the ADC reads, 0..65535 over 3.3 V."""
-        return min(int(self.battery_volts / self._vehicle.battery_divider / 3.3 * 65535), 65535)
+        return min(round(self.battery_volts / self._vehicle.battery_divider / 3.3 * 65535), 65535)
 
     def i2c_write(self, time, address, data):
         """A write ended at the time, us."""

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from functools import cache
 from pathlib import Path
 
@@ -41,13 +42,24 @@ def compiled(firmware=FIRMWARE):
     for path, target in sources:
         digest.update(f"{target}\0".encode() + path.read_bytes() + b"\0")
     folder = BUILD / digest.hexdigest()[:16]
-    if not folder.is_dir():
+    if folder.is_dir():
+        os.utime(folder)
+    else:
+        _forget_old()
         _compile(sources, folder)
     return folder / "board", folder / "firmware"
 
 
 def _sources(firmware):
     return sorted([firmware / "main.py", *(firmware / "lib").rglob("*.py")])
+
+
+def _forget_old():
+    """Remove what has not been used for a day."""
+    if BUILD.is_dir():
+        for folder in BUILD.iterdir():
+            if folder.stat().st_mtime < time.time() - 86400:
+                shutil.rmtree(folder, ignore_errors=True)
 
 
 def _compile(sources, folder):

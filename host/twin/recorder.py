@@ -138,3 +138,10 @@ class Several(Watch):
     def step(self, simulation):
         for watch in self._watches:
             watch.step(simulation)
+
+    def commands(self):
+        return b"".join(watch.commands() for watch in self._watches)
+
+    def command(self, data):
+        for watch in self._watches:
+            watch.command(data)

@@ -146,6 +146,7 @@ def _drive(simulation, child, watch, speed, limit_s):
             simulation.stop(TIMEOUT, f"{limit_s:g} s are over")
         commands = watch.commands()
         if commands:
+            watch.command(commands)
             child.send_serial(commands)
         if simulation.result is None:
             child.answer(*answer)

@@ -97,9 +97,9 @@ class Simulation:
             self._watch.lidar(time, data)
         return self._horizon(), *inputs, [(time, data, rx) for time, data in batches]
 
-    def stop(self, reason):
+    def stop(self, result, reason):
         """End the run from outside."""
-        self._end(BLOCKED, reason)
+        self._end(result, reason)
 
     def _horizon(self):
         """Time before which nothing more arrives."""
@@ -164,6 +164,9 @@ class Watch:
     def commands(self):
         """Bytes to send on the board's USB serial line now."""
         return b""
+
+    def command(self, data):
+        """Bytes are being sent on the board's USB serial line."""
 
     def uart(self, time, gpio, data):
         """The firmware sent bytes on a UART."""

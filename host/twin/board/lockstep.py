@@ -94,6 +94,7 @@ def connect(read_descriptor, write_descriptor):
 
 def attach(gpio, receiver):
     """`receiver.put(buffer, start, count)` gets the bytes that arrive on the pin."""
+    deliver()
     _receivers[gpio] = receiver
 
 
