@@ -248,7 +248,7 @@ class Drive:
                 self.aim = trial
                 self._trial = aim
                 return True
-            part = part * self._step // (change + 1)
+            part = part * self._step // change
         return False
 
     def _accelerate(self):

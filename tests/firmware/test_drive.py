@@ -1,0 +1,508 @@
+"""drive.py and outputs.py, seen at the registers of the chips."""
+
+from time import ticks_add
+
+import micropython
+from config import Config
+from drive import Drive
+from fake_chips import FakeBus, FakePin
+from pca9685 import PCA9685
+from steering import Steering
+
+SERVOS, LEFT, RIGHT = 0x40, 0x41, 0x42
+PERIOD_US = 20000
+
+
+class _Robot:
+    """A drive with chips, and a clock that moves in servo periods."""
+
+    def __init__(self, values=None, start_us=0):
+        self.config = config = Config(values)
+        self.bus = FakeBus()
+        self.enable = FakePin()
+        chips = (
+            PCA9685(self.bus, config.servos_address, config.servos_frequency, config.servos_oscillator),
+            PCA9685(self.bus, config.motors_left, config.motors_frequency),
+            PCA9685(self.bus, config.motors_right, config.motors_frequency),
+        )
+        self.drive = Drive(Steering(config.axles_spacings, config.axles_track, config.axles_first), *chips, self.enable, config)
+        self.now = start_us
+        self.wheels = 2 * config.axles
+
+    def step(self, periods=1):
+        for _ in range(periods):
+            assert self.drive.update(self.now)
+            self.now = ticks_add(self.now, PERIOD_US)
+
+    def ready(self):
+        """Past the first swing, wheels straight, standing."""
+        for _ in range(100):
+            self.step()
+            if not self.drive.turning:
+                return self
+        assert False, "never ready"
+
+    def counts(self):
+        return self.bus.chips[SERVOS].counts(16)
+
+    def angles(self):
+        """Wheel angles in degrees, from the pulses of default servos."""
+        counts = self.bus.chips[SERVOS].counts(self.wheels)
+        return [(count * 4.88 - 1500) * 0.09 for count in counts]
+
+    def speeds(self):
+        """Signed duty of each motor, 0 .. 4096."""
+        speeds = []
+        for i in range(self.config.axles):
+            for address in (LEFT, RIGHT):
+                forward, backward = (self.bus.chips[address].count(2 * i + k) for k in (0, 1))
+                assert not (forward and backward)
+                speeds.append(forward - backward)
+        return speeds
+
+    def stands(self):
+        return not any(self.speeds())
+
+
+def test_everything_is_off_until_the_registers_are_valid():
+    robot = _Robot()
+    assert robot.enable.level == 1 and not robot.drive.ok
+    assert all(not chip.running() for chip in robot.bus.chips.values())
+    level_at_burst = []
+    chip = robot.bus.chips[SERVOS]
+    write = chip.write
+
+    def watched(data):
+        level_at_burst.append(robot.enable.level)
+        write(data)
+
+    chip.write = watched
+    robot.step()
+    assert level_at_burst and all(level_at_burst)
+    assert robot.enable.level == 0 and robot.drive.ok
+    assert robot.counts() == [307] * 10 + [0] * 6 and robot.stands()
+
+
+def test_it_waits_until_the_wheels_must_be_straight_after_power_up():
+    robot = _Robot()
+    robot.drive.command(0, 0, 108)
+    periods = 0
+    robot.step()
+    while robot.drive.turning:
+        assert robot.stands()
+        robot.step()
+        periods += 1
+    assert 15 <= periods <= 20  # 90 degrees at 300 deg/s, and the latency
+
+
+def test_pulses_of_the_wheels():
+    robot = _Robot().ready()
+    robot.drive.command(300, -200, 90)
+    robot.step(30)
+    exact = Steering(robot.config.axles_spacings, robot.config.axles_track)
+    exact.solve(300, -200)
+    for angle, wanted in zip(robot.angles(), exact.angles):
+        assert abs(angle - wanted / 10) < 0.23, (angle, wanted)
+
+
+def test_trims_directions_and_pulse_ranges_of_single_servos():
+    robot = _Robot({"servos": {"trims": [9] + [0] * 9, "directions": [1, -1] + [1] * 8, "pulse_low": [500, 500, 600] + [500] * 7, "pulse_high": [2500, 2500, 2300] + [2500] * 7}}).ready()
+    assert abs(robot.angles()[0] - 9) < 0.25
+    robot.drive.command(450, 450, 90)
+    robot.step(40)
+    angles = robot.angles()
+    assert abs(angles[0] - 54) < 0.25 and abs(angles[1] + 45) < 0.25
+    assert abs(robot.counts()[2] * 4.88 - 1875) < 2.5  # 1450 us and half of 850 us
+
+
+def test_a_tuned_trim_counts_at_once():
+    robot = _Robot().ready()
+    robot.config.set("servos.trims.4", 10)
+    robot.step()
+    assert abs(robot.angles()[4] - 10) < 0.25 and abs(robot.angles()[3]) < 0.25
+
+
+def test_channels_as_wired():
+    robot = _Robot({"servos": {"channels": [15, 14, 13, 12, 11, 10, 9, 8, 7, 6]}, "motors": {"channels": [14, 12, 10, 8, 6]}}).ready()
+    assert robot.counts() == [0] * 6 + [307] * 10
+    robot.drive.command(0, 0, 108)
+    robot.step(30)
+    duty = 4096 * 18 // 90
+    assert robot.bus.chips[LEFT].counts(16) == [0] * 6 + [duty, 0] * 5
+
+
+def test_speed_of_the_fastest_wheel_and_shares_of_the_others():
+    robot = _Robot().ready()
+    robot.drive.command(300, -300, 126)
+    robot.step(80)
+    exact = Steering(robot.config.axles_spacings, robot.config.axles_track)
+    exact.solve(300, -300)
+    for speed, share in zip(robot.speeds(), exact.shares):
+        assert abs(speed - 4096 * 0.4 * share / 16384) <= 1.5
+    robot.drive.command(300, -300, 54)
+    robot.step(80)
+    for speed, share in zip(robot.speeds(), exact.shares):
+        assert abs(speed + 4096 * 0.4 * share / 16384) <= 1.5
+
+
+def test_full_speed_is_always_on():
+    robot = _Robot().ready()
+    robot.drive.command(0, 0, 180)
+    robot.step(100)
+    assert robot.speeds() == [4096] * 10
+    robot.drive.command(0, 0, 0)
+    robot.step(100)
+    assert robot.speeds() == [-4096] * 10
+
+
+def test_dead_band_and_motor_directions():
+    robot = _Robot({"motors": {"dead_band": 25, "directions": [1, -1] * 5}}).ready()
+    assert robot.stands()
+    robot.drive.command(0, 0, 135)
+    robot.step(60)
+    assert robot.speeds() == [1024 + 1536, -1024 - 1536] * 5
+
+
+def test_speed_ramps_up_and_stops_at_once():
+    robot = _Robot().ready()
+    robot.drive.command(0, 0, 108)
+    before = 0
+    ramp = 4096 * 2000 * 0.02 / 1280
+    steps = 0
+    while before < 4096 * 18 // 90:
+        robot.step()
+        speed = robot.speeds()[0]
+        assert 0 < speed - before <= ramp + 2
+        before = speed
+        steps += 1
+    assert steps == 7
+    robot.drive.command(0, 0, 90)
+    robot.step()
+    assert robot.stands()
+
+
+def test_stop_does_not_wait_for_the_next_period():
+    robot = _Robot().ready()
+    robot.drive.command(200, -200, 108)
+    robot.step(30)
+    assert not robot.stands()
+    servos = robot.counts()
+    robot.drive.stop()
+    assert robot.stands() and robot.counts() == servos
+    robot.step(10)
+    assert robot.stands()
+
+
+def test_reversal_passes_through_off():
+    robot = _Robot().ready()
+    robot.drive.command(0, 0, 108)
+    robot.step(20)
+    robot.drive.command(0, 0, 72)
+    robot.step()
+    assert robot.stands()
+    robot.step()
+    assert all(speed < 0 for speed in robot.speeds())
+
+
+def test_small_changes_are_driven_round_one_turning_centre():
+    robot = _Robot({"servos": {"swing": 60}}).ready()
+    robot.drive.command(100, -100, 108)
+    robot.step(30)
+    exact = Steering(robot.config.axles_spacings, robot.config.axles_track)
+    before = robot.angles()
+    for af, ar in ((350, -250), (300, 50), (-100, -100)):
+        robot.drive.command(af, ar, 108)
+        for _ in range(12):
+            robot.step()
+            aim = robot.drive.aim
+            angles = robot.angles()
+            assert not robot.drive.turning and not robot.stands()
+            exact.solve(aim.af, aim.ar)
+            for angle, wanted, last in zip(angles, exact.angles, before):
+                assert abs(angle - wanted / 10) < 0.23
+                assert abs(angle - last) <= 6.0 + 0.45
+            before = angles
+        assert (robot.drive.aim.af, robot.drive.aim.ar) == (af, ar)
+
+
+def test_large_changes_stop_the_robot_first():
+    robot = _Robot().ready()
+    for af, ar in ((900, -900), (900, 900), (-900, -900), (0, 0), (650, -650), (-300, 300)):
+        robot.drive.command(af, ar, 108)
+        old = robot.angles()
+        moved_at = None
+        for period in range(200):
+            robot.step()
+            angles = robot.angles()
+            if robot.drive.turning:
+                assert robot.stands(), (af, ar)
+            if moved_at is None and angles != old:
+                moved_at = period
+                assert abs(robot.drive.v256) <= 512
+                change = max(abs(a - b) for a, b in zip(angles, old))
+            if not robot.drive.turning and moved_at is not None:
+                break
+        waited = (period - moved_at) * 0.020
+        assert change / 300 + 0.03 <= waited + 0.021 and waited < change / 300 + 0.12, (af, ar, change, waited)
+        assert (robot.drive.aim.af, robot.drive.aim.ar) == (af, ar)
+        robot.step(20)
+        assert not robot.stands()
+
+
+def test_a_fold_is_a_large_change_however_small_the_angles():
+    robot = _Robot({"servos": {"swing": 180}}).ready()
+    robot.drive.command(640, -640, 108)
+    robot.step(60)
+    assert not robot.drive.turning and not robot.drive.aim.folded
+    robot.drive.command(670, -670, 108)
+    robot.step()
+    assert robot.drive.turning and robot.stands()
+    robot.step(120)
+    assert robot.drive.aim.folded and not robot.drive.turning
+    signs = [speed > 0 for speed in robot.speeds()]
+    assert False in signs and True in signs
+
+
+def test_a_change_of_mind_while_still_rolling_costs_no_swing():
+    robot = _Robot().ready()
+    robot.drive.command(0, 0, 180)
+    robot.step(60)
+    robot.drive.command(900, 900, 108)
+    robot.step()
+    assert robot.drive.turning and robot.stands()
+    robot.drive.command(0, 0, 180)
+    robot.step()
+    assert not robot.drive.turning and not robot.stands()
+
+
+def test_a_new_goal_during_the_swing_is_swung_to():
+    robot = _Robot().ready()
+    robot.drive.command(900, 900, 108)
+    robot.step(5)
+    assert robot.drive.turning
+    robot.drive.command(-900, 900, 108)
+    robot.step(3)
+    assert (robot.drive.aim.af, robot.drive.aim.ar) == (-900, 900) and robot.stands()
+    robot.step(60)
+    assert not robot.drive.turning and not robot.stands()
+
+
+def test_estimate_follows_with_latency_and_time_constant():
+    robot = _Robot({"servos": {"latency": 40, "swing": 100}, "motors": {"time_constant": 100}, "drive": {"acceleration": 20000}}).ready()
+    drive = robot.drive
+    drive.command(40, 0, 108)
+    robot.step()
+    assert drive.aim.af == 40 and drive.af == 0
+    robot.step()
+    assert drive.af == 0
+    robot.step()
+    assert drive.af == 40 and drive.steering.af == 40
+    # full at once: after one time constant 63 %
+    speeds = [drive.v256]
+    for _ in range(8):
+        robot.step()
+        speeds.append(drive.v256)
+    assert abs(speeds[2] / 4608 - 0.63) < 0.03, speeds  # third to fifth period
+    robot.step(60)
+    assert abs(drive.v256 - 4608) <= 1
+    robot.drive.stop()
+    robot.step(100)
+    assert abs(drive.v256) <= 1
+
+
+def test_estimate_between_two_periods():
+    robot = _Robot({"servos": {"latency": 30, "swing": 100}}).ready()
+    robot.drive.command(60, 60, 90)
+    seen = []
+    for _ in range(4):
+        robot.step()
+        seen.append((robot.drive.aim.af, robot.drive.af))
+    assert seen == [(60, 0), (60, 30), (60, 60), (60, 60)]
+
+
+def test_live_parameters_count_at_once():
+    robot = _Robot().ready()
+    robot.config.set("servos.swing", 90)
+    robot.config.set("servos.rate", 100)
+    robot.drive.command(300, 300, 108)
+    robot.step()
+    assert robot.drive.aim.af == 20 and not robot.drive.turning
+
+
+def test_unreachable_angles_are_reported_and_the_robot_stops():
+    robot = _Robot({"servos": {"high": [60] * 10}}).ready()
+    assert robot.drive.command(300, -300, 108)
+    robot.step(60)
+    assert not robot.stands()
+    assert not robot.drive.reachable(600, -600) and robot.drive.reachable(300, -200)
+    angles = robot.angles()
+    assert robot.drive.command(600, -600, 108) is False
+    assert robot.drive.unreachable == 1
+    robot.step()
+    assert robot.stands() and robot.angles() == angles
+    assert robot.drive.command(300, -300, 108) and robot.drive.unreachable == -1
+    robot.step(2)
+    assert not robot.stands()
+    assert robot.drive.command(901, 0, 108) is False
+
+
+def test_speeds_beyond_the_scale_are_held_to_it():
+    robot = _Robot().ready()
+    robot.drive.command(0, 0, 400)
+    robot.step(100)
+    assert robot.speeds() == [4096] * 10
+
+
+def test_a_lost_chip_stops_the_robot_and_is_taken_back():
+    for address in (SERVOS, LEFT, RIGHT):
+        robot = _Robot().ready()
+        drive = robot.drive
+        drive.command(100, -100, 108)
+        robot.step(40)
+        robot.bus.chips[address].present = False
+        periods = 0
+        while drive.ok:
+            robot.step()
+            periods += 1
+        assert periods <= 51
+        assert robot.enable.level == 1
+        assert "0x%02x does not answer" % address in drive.fault
+        others = [robot.bus.chips[a] for a in (LEFT, RIGHT) if a != address]
+        assert all(not any(chip.counts(10)) for chip in others)
+        robot.step(120)
+        assert not drive.ok and robot.enable.level == 1 and drive.v256 == 0
+        robot.bus.chips[address].reset()
+        robot.bus.chips[address].present = True
+        for _ in range(52):
+            robot.step()
+            if drive.ok:
+                break
+        assert robot.enable.level == 0 and drive.turning and robot.stands()
+        robot.step(60)
+        assert not drive.turning and not robot.stands()
+
+
+def test_a_chip_that_was_reset_is_noticed_within_a_second_and_the_wheels_swing_anew():
+    for address in (SERVOS, LEFT, RIGHT):
+        robot = _Robot().ready()
+        robot.drive.command(100, -100, 108)
+        robot.step(40)
+        robot.bus.chips[address].reset()
+        for _ in range(51):
+            robot.step()
+            if robot.drive.turning:
+                break
+        assert robot.bus.chips[address].running() and robot.stands() and robot.drive.ok
+        assert "0x%02x was reset" % address in robot.drive.fault
+        robot.step(60)
+        assert not robot.drive.turning and not robot.stands()
+        assert abs(robot.angles()[0] - robot.drive.aim.angles[0] / 10) < 0.3
+
+
+def test_registers_are_sent_when_they_change_and_once_a_second():
+    robot = _Robot().ready()
+    robot.step(60)
+    before = [chip.bursts for chip in robot.bus.chips.values()]
+    robot.step(100)
+    assert [chip.bursts - b for chip, b in zip(robot.bus.chips.values(), before)] == [2, 2, 2]
+
+
+def test_a_garbled_register_is_put_right():
+    robot = _Robot().ready()
+    robot.bus.chips[SERVOS].registers[6 + 4 * 3 + 2] ^= 0x40
+    assert robot.counts()[3] != 307
+    robot.step(51)
+    assert robot.counts()[3] == 307
+
+
+def test_update_is_idle_between_the_periods():
+    robot = _Robot().ready()
+    drive = robot.drive
+    assert drive.update(robot.now)
+    assert not drive.update(ticks_add(robot.now, 1)) and not drive.update(ticks_add(robot.now, PERIOD_US - 1))
+    assert drive.update(ticks_add(robot.now, PERIOD_US))
+
+
+def test_estimate_catches_up_after_a_pause():
+    quick, slow = _Robot().ready(), _Robot().ready()
+    for robot in (quick, slow):
+        robot.drive.command(0, 0, 108)
+        robot.step(20)
+        robot.drive.stop()
+    quick.step(5)
+    slow.now = ticks_add(slow.now, 4 * PERIOD_US)
+    slow.step()
+    assert quick.drive.v256 == slow.drive.v256
+
+
+def test_the_clock_may_wrap():
+    robot = _Robot(start_us=2**30 - 30 * PERIOD_US - 7).ready()
+    robot.drive.command(0, 0, 108)
+    robot.step(60)
+    assert robot.speeds()[0] == 4096 * 18 // 90
+
+
+def test_one_wheel_can_be_pointed_while_the_robot_stands():
+    robot = _Robot().ready()
+    assert robot.drive.point(3, 450)
+    robot.step()
+    assert abs(robot.angles()[3] - 45) < 0.25 and abs(robot.angles()[2]) < 0.25
+    assert robot.drive.point(4, -100)
+    robot.step()
+    assert abs(robot.angles()[3] - 45) < 0.25 and abs(robot.angles()[4] + 10) < 0.25
+    assert not robot.drive.point(10, 0) and not robot.drive.point(0, 901)
+    robot.drive.command(0, 0, 90)
+    robot.step()
+    assert abs(robot.angles()[3] - 45) < 0.25
+    robot.drive.command(0, 0, 108)
+    robot.step()
+    assert abs(robot.angles()[3]) < 0.25 and robot.drive.turning and robot.stands()
+    robot.step(40)
+    assert not robot.stands()
+    assert not robot.drive.point(3, 450)
+
+
+def test_off_lets_everything_go():
+    robot = _Robot().ready()
+    robot.drive.command(0, 0, 108)
+    robot.step(20)
+    robot.drive.off()
+    assert robot.enable.level == 1
+    assert not any(chip.running() for chip in robot.bus.chips.values())
+
+
+def test_other_numbers_of_axles_drive():
+    for spacings in ([300], [200, 200], [80] * 7):
+        robot = _Robot({"axles": {"spacings": spacings}}).ready()
+        robot.drive.command(150, -150, 108)
+        robot.step(40)
+        assert len(robot.speeds()) == 2 * robot.config.axles and all(speed > 0 for speed in robot.speeds())
+
+
+def test_no_output_enable_pin():
+    config = Config({"pins": {"output_enable": None}})
+    bus = FakeBus()
+    drive = Drive(Steering(config.axles_spacings, config.axles_track), PCA9685(bus, SERVOS), PCA9685(bus, LEFT, 1000), PCA9685(bus, RIGHT, 1000), None, config)
+    drive.update(0)
+    assert drive.ok and bus.chips[SERVOS].count(0) == 307
+
+
+def test_nothing_is_allocated_while_driving():
+    robot = _Robot().ready()
+    drive = robot.drive
+    micropython.heap_lock()
+    try:
+        now = robot.now
+        k = 0
+        while k < 400:
+            if k % 8 == 0:
+                drive.command((k * 37) % 1801 - 900, (k * 53) % 1801 - 900, 108 if k % 64 else 72)
+            if k % 100 == 99:
+                drive.stop()
+            drive.update(now)
+            drive.reachable(k, -k)
+            now = ticks_add(now, PERIOD_US)
+            k += 1
+    finally:
+        micropython.heap_unlock()
+    assert drive.ok
