@@ -4,7 +4,8 @@ A carrier has
     decoder                         the frames it receives
     signed                          True when commands must carry a tag
     busy                            True when someone listens (always, on the cable)
-    update(now_us)                  take in and give out what can be without waiting
+    update(now_us)                  give out what can be without waiting
+    take(now_us)                    True when a frame has come and is in the decoder; call it until it is False
     send(encoder, size, now_us)     True when the frame was taken or nobody listens; False when it had to be dropped
     heard(now_us)                   what was received last was a valid command
 """
@@ -38,7 +39,7 @@ class SerialLine:
     waits.
 
     Ctrl-C is a byte like any other inside a frame, so it is taken out of the interpreter's hands; outside frames it still raises
-    KeyboardInterrupt, from `update`.
+    KeyboardInterrupt, from `take`.
     """
 
     signed = False
@@ -56,8 +57,7 @@ class SerialLine:
         self._ready = getattr(poller, "ipoll", poller.poll)  # poll makes a list at each call
         self._open = True
         self._one = bytearray(1)
-        self._interrupt = False
-        self.decoder = Decoder(_COMMAND, self._stray)
+        self.decoder = Decoder(_COMMAND)
         self._begun_us = 0
 
         self._ring = bytearray(_RING)
@@ -88,14 +88,36 @@ class SerialLine:
         """Nothing to do: the cable has one end."""
 
     def update(self, now_us):
-        """Write what the line has room for, read what has come. KeyboardInterrupt after a Ctrl-C."""
+        """Write what the line has room for."""
         if self._used:
             self._write(now_us)
-        if self._open:
-            self._read(now_us)
-        if self._interrupt:
-            self._interrupt = False
-            raise KeyboardInterrupt
+
+    def take(self, now_us):
+        """Read until a frame is whole, or all that came, or a portion of it, has been read. KeyboardInterrupt after a Ctrl-C."""
+        decoder = self.decoder
+        if not decoder.waiting():
+            self._begun_us = now_us
+        elif ticks_diff(now_us, self._begun_us) > _STALE_US:
+            decoder.clear()
+        count = _BLOCK if self._open else 0
+        while count:
+            count -= 1
+            ready = False
+            for _ in self._ready(0):
+                ready = True
+            if not ready:
+                return False
+            # One byte at a time: on the board a longer read would wait until all of it has come.
+            if not self._source.readinto(self._one):
+                self._open = False  # the other end is closed for good
+                return False
+            if self._one[0] == _CTRL_C and not decoder.waiting():
+                raise KeyboardInterrupt
+            decoder.room()
+            decoder.feed(self._one, 0, 1)
+            if decoder.take():
+                return True
+        return False
 
     def _write(self, now_us):
         elapsed = min(max(ticks_diff(now_us, self._last_us), 0), 50_000)
@@ -112,30 +134,6 @@ class SerialLine:
             self._credit -= count
         if self._flush is not None:
             self._flush()
-
-    def _read(self, now_us):
-        decoder = self.decoder
-        if not decoder.waiting():
-            self._begun_us = now_us
-        elif ticks_diff(now_us, self._begun_us) > _STALE_US:
-            decoder.clear()
-        count = min(decoder.room(), _BLOCK)
-        while count:
-            ready = False
-            for _ in self._ready(0):
-                ready = True
-            if not ready:
-                return
-            # One byte at a time: on the board a longer read would wait until all of it has come.
-            if not self._source.readinto(self._one):
-                self._open = False  # the other end is closed for good
-                return
-            decoder.feed(self._one, 0, 1)
-            count -= 1
-
-    def _stray(self, byte):
-        if byte == _CTRL_C:
-            self._interrupt = True
 
 
 class Datagrams:
@@ -161,7 +159,7 @@ class Datagrams:
         self.decoder = Decoder(_COMMAND)
 
     def update(self, now_us):
-        """Open the socket once the network is there; take in one datagram."""
+        """Open the socket once the network is there."""
         if self._socket is None:
             if self._asked_us is None or ticks_diff(now_us, self._asked_us) > _JOIN_US:
                 self._asked_us = now_us
@@ -170,14 +168,20 @@ class Datagrams:
             return
         if self.busy and ticks_diff(now_us, self._peer_us) > _LISTENS_US:
             self.busy = False
+
+    def take(self, now_us):
+        """Read one datagram; True when it holds a frame. A frame never spans two."""
+        if self._socket is None:
+            return False
         decoder = self.decoder
-        decoder.clear()  # a frame never spans two datagrams
         for _ in self._ready(0):
             try:
                 data, self._from = self._socket.recvfrom(256)
             except OSError:
                 continue
+            decoder.clear()
             decoder.feed(data, 0, min(len(data), decoder.room()))
+        return decoder.take()
 
     def heard(self, now_us):
         """Whoever sent the last datagram is the one to send to."""

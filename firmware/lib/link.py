@@ -113,9 +113,8 @@ class Link:
         for carrier in self._carriers:
             carrier.update(now_us)
             listened = listened or carrier.busy
-            decoder = carrier.decoder
-            while decoder.take():
-                if commands.obey(decoder, carrier.signed, now_us, self._settings):
+            while carrier.take(now_us):
+                if commands.obey(carrier.decoder, carrier.signed, now_us, self._settings):
                     carrier.heard(now_us)
                     self._send_to(carrier, self._report.reply(commands), now_us)
         commands.expire(now_us)

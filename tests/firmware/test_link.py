@@ -91,6 +91,9 @@ class Line:
     def update(self, now_us):
         pass
 
+    def take(self, now_us):
+        return self.decoder.take()
+
     def send(self, encoder, size, now_us):
         if self.full:
             return False

@@ -1,0 +1,25 @@
+"""Links to a robot, named by an address; robot, twin and recording differ in nothing else.
+
+    serial:/dev/ttyUSB0               a robot on USB
+    udp:robot.local, udp:192.168.4.1:9750    a robot on the network
+    twin:z?width=550&seed=3           the twin, see `host.link.twin`
+    file:drive.rec                    a recording, see `host.link.playback`
+
+    with connect("twin:z?width=550") as link:
+        link.drive("auto")
+        while message := link.get(timeout=1):
+            print(message["type"])
+
+Messages are dicts; `host.link.messages` lists them.
+
+    address     addresses and what they open
+    base        what all links share: decoding, commands, taps
+    messages    payloads of the wire format <-> dicts
+    wire, radio, twin, playback    one kind of link each
+    discover    which robots there are
+"""
+
+from .address import AddressError, connect
+from .base import Link, LinkError
+
+__all__ = ["AddressError", "Link", "LinkError", "connect"]

@@ -1,0 +1,194 @@
+"""Payloads of the wire format (firmware/lib/telemetry.py) as dicts that JSON can hold, and commands as payloads.
+
+Every dict has `type`; angles are degrees, lengths mm, speeds mm/s or r/s, times seconds of the robot's own clock (it wraps after 18 minutes).
+
+    hello       session (hex), counter, firmware, robot, board, boot, width, length, track, spacings, first, full_speed, lidar
+    decision    number, time, state, mode, af, ar, v, window, zone, free, block ([x, y] or None), why, took (ms)
+    wheels      time, af, ar, v, angles, speeds (mm/s at the wheels, negative backward)
+    points      time, x, y, window
+    scan        bearings, distances (mm), times
+    health      uptime, heap, worst (ms), battery (V or None), lidar_speed, lidar_ok, chips, radio, fault, frames, errors, speed_faults,
+                dropped, refused
+    parameter   key, value, default, low, high, unit, meaning, number
+    log         level, text
+    pose        time, x, y, heading: where the robot thinks it is, from where it was switched on
+    candidates  time, list of {af, ar, free, block, chosen}
+    reply       counter, command, status, text
+    names       reasons, faults
+
+Links add some of their own:
+
+    text        text: what the robot printed between the frames
+    truth       x, y, heading, clearance: where it really is (twin, recordings of the twin)
+    world       walls ([[x1, y1, x2, y2], ...]), course (twin)
+    event       text, time
+    ended       text: nothing more will come
+"""
+
+import json
+import struct
+
+from host import compat
+
+compat.install()
+
+import telemetry  # noqa: E402
+
+STATES = ("stopped", "auto", "manual")
+STATUSES = ("ok", "refused", "stale", "unknown", "bad")
+FULL_V256 = 90 * 256
+_MICRO = 1e-6
+
+
+def decode(kind: int, payload: bytes, full_speed: float = 1280.0) -> dict | None:
+    """A message as a dict; None for a type or a length this version does not know.
+
+    full_speed: mm/s of the wheels at V = 180, for `wheels`.
+    """
+    try:
+        if kind == telemetry.WHEELS:
+            return _wheels(payload, full_speed)
+        return _DECODERS[kind](payload) if kind in _DECODERS else None
+    except (struct.error, ValueError, IndexError):
+        return None
+
+
+def _block(x, y):
+    return None if x == telemetry.NO_POINT else [x, y]
+
+
+def _hello(payload):
+    session, counter = struct.unpack_from(telemetry.HELLO_FORMAT, payload)
+    rest = json.loads(payload[struct.calcsize(telemetry.HELLO_FORMAT) :])
+    return {"type": "hello", "session": session.hex(), "counter": counter, **rest}
+
+
+def _decision(payload):
+    number, time, state, mode, af, ar, v, window, zone, free, x, y, why, took = struct.unpack(telemetry.DECISION_FORMAT, payload)
+    return {
+        "type": "decision", "number": number, "time": time * _MICRO, "state": STATES[state], "mode": mode, "af": af / 10, "ar": ar / 10, "v": v,
+        "window": window, "zone": None if zone == 255 else zone, "free": free, "block": _block(x, y), "why": why, "took": took / 1000,
+    }  # fmt: skip
+
+
+def _wheels(payload, full_speed):
+    size = struct.calcsize(telemetry.WHEELS_FORMAT)
+    time, af, ar, v256, folded, count = struct.unpack_from(telemetry.WHEELS_FORMAT, payload)
+    angles = struct.unpack_from(f"<{count}h", payload, size)
+    shares = struct.unpack_from(f"<{count}h", payload, size + 2 * count)
+    scale = v256 * full_speed / FULL_V256 / 16384
+    return {
+        "type": "wheels", "time": time * _MICRO, "af": af / 10, "ar": ar / 10, "v": round(90 + v256 / 256, 2), "folded": folded,
+        "angles": [angle / 10 for angle in angles], "speeds": [round(share * scale, 1) for share in shares],
+    }  # fmt: skip
+
+
+def _points(payload):
+    size = struct.calcsize(telemetry.POINTS_FORMAT)
+    time, count = struct.unpack_from(telemetry.POINTS_FORMAT, payload)
+    return {
+        "type": "points", "time": time * _MICRO, "x": list(struct.unpack_from(f"<{count}h", payload, size)),
+        "y": list(struct.unpack_from(f"<{count}h", payload, size + 2 * count)), "window": list(payload[size + 4 * count : size + 5 * count]),
+    }  # fmt: skip
+
+
+def _scan(payload):
+    size = struct.calcsize(telemetry.SCAN_FORMAT)
+    bearings, distances, times = [], [], []
+    at = 0
+    while at < len(payload):
+        time, first, last, count = struct.unpack_from(telemetry.SCAN_FORMAT, payload, at)
+        step = ((last - first + 1800) % 3600 - 1800) / max(count - 1, 1)
+        bearings += [round((first + step * i) % 3600 / 10, 2) for i in range(count)]
+        distances += [quarter / 4 for quarter in struct.unpack_from(f"<{count}H", payload, at + size)]
+        times.append(time * _MICRO)
+        at += size + 2 * count
+    return {"type": "scan", "times": times, "bearings": bearings, "distances": distances}
+
+
+def _health(payload):
+    uptime, heap, worst, battery, speed, flags, fault, frames, errors, faults, dropped, refused = struct.unpack(telemetry.HEALTH_FORMAT, payload)
+    return {
+        "type": "health", "uptime": uptime / 1000, "heap": heap, "worst": worst / 1000, "battery": battery / 1000 if battery else None,
+        "lidar_speed": speed / 20, "lidar_ok": bool(flags & 1), "chips": bool(flags & 2), "radio": bool(flags & 4), "fault": fault,
+        "frames": frames, "errors": errors, "speed_faults": faults, "dropped": dropped, "refused": refused,
+    }  # fmt: skip
+
+
+def _pose(payload):
+    time, x, y, heading = struct.unpack(telemetry.POSE_FORMAT, payload)
+    return {"type": "pose", "time": time * _MICRO, "x": x / 256, "y": y / 256, "heading": heading / 1000}
+
+
+def _candidates(payload):
+    (time,) = struct.unpack_from(telemetry.CANDIDATES_FORMAT, payload)
+    rows = []
+    rest = payload[struct.calcsize(telemetry.CANDIDATES_FORMAT) :]
+    for af, ar, free, x, y, chosen in struct.iter_unpack(telemetry.CANDIDATE_FORMAT, rest):
+        rows.append({"af": af / 10, "ar": ar / 10, "free": free, "block": _block(x, y), "chosen": bool(chosen)})
+    return {"type": "candidates", "time": time * _MICRO, "list": rows}
+
+
+def _reply(payload):
+    counter, kind, status = struct.unpack_from(telemetry.REPLY_FORMAT, payload)
+    text = payload[struct.calcsize(telemetry.REPLY_FORMAT) :].decode(errors="replace")
+    return {"type": "reply", "counter": counter, "command": COMMANDS.get(kind, str(kind)), "status": STATUSES[status], "text": text}
+
+
+_DECODERS = {
+    telemetry.HELLO: _hello,
+    telemetry.DECISION: _decision,
+    telemetry.POINTS: _points,
+    telemetry.SCAN: _scan,
+    telemetry.HEALTH: _health,
+    telemetry.PARAMETER: lambda payload: {"type": "parameter", **json.loads(payload)},
+    telemetry.LOG: lambda payload: {"type": "log", "level": payload[0], "text": payload[1:].decode(errors="replace")},
+    telemetry.POSE: _pose,
+    telemetry.CANDIDATES: _candidates,
+    telemetry.REPLY: _reply,
+    telemetry.NAMES: lambda payload: {"type": "names", **json.loads(payload)},
+}
+
+COMMANDS = {
+    telemetry.DRIVE: "drive",
+    telemetry.TUNE: "tune",
+    telemetry.KEEP: "keep",
+    telemetry.WATCH: "watch",
+    telemetry.LIST: "list",
+    telemetry.POINT: "point",
+    telemetry.GREET: "greet",
+}
+
+
+def drive(counter: int, what: str, af: float = 0, ar: float = 0, v: float = 90) -> bytes:
+    """what: "stop", "auto" or "manual"; af, ar in degrees, v 0..180. ValueError beyond these."""
+    states = {"stop": telemetry.STOPPED, "auto": telemetry.AUTO, "manual": telemetry.MANUAL}
+    if what not in states:
+        raise ValueError(f"drive {what!r}: one of {', '.join(states)} is needed")
+    if not (-90 <= af <= 90 and -90 <= ar <= 90 and 0 <= v <= 180):
+        raise ValueError(f"AF {af}, AR {ar} (-90 to 90 degrees), V {v} (0 to 180)")
+    return struct.pack(telemetry.DRIVE_FORMAT, counter, states[what], round(af * 10), round(ar * 10), round(v))
+
+
+def tune(counter: int, key: str, value) -> bytes:
+    """value: what JSON can hold."""
+    return struct.pack(telemetry.COUNTER_FORMAT, counter) + f"{key}={json.dumps(value)}".encode()
+
+
+def plain(counter: int) -> bytes:
+    """Payload of KEEP and LIST."""
+    return struct.pack(telemetry.COUNTER_FORMAT, counter)
+
+
+def watch(counter: int, scan: bool, candidates: bool) -> bytes:
+    return struct.pack(telemetry.WATCH_FORMAT, counter, scan | candidates << 1)
+
+
+def point(counter: int, wheel: int, angle: float) -> bytes:
+    """angle in degrees."""
+    return struct.pack(telemetry.POINT_FORMAT, counter, wheel, round(angle * 10))
+
+
+def greet(counter: int, names: bool) -> bytes:
+    """names: also send HELLO and NAMES."""
+    return struct.pack(telemetry.GREET_FORMAT, counter, names)

@@ -1,0 +1,121 @@
+"""The twin as a link: it runs in a thread, and the firmware's USB serial line is the wire.
+
+    twin:COURSE?width=550&gap=400&seed=3&mode=naws&speed=1&engine=cpython&config=robot.json&firmware=FOLDER
+
+COURSE is one of the twin's, in any case; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes.
+"""
+
+import threading
+import time
+
+from .address import AddressError
+from .base import Link
+
+_TRUTH_S = 0.04
+
+
+def _speed(text):
+    return None if text == "max" else float(text)
+
+
+OPTIONS = {
+    "width": float, "gap": float, "seed": int, "mode": str, "engine": str, "speed": _speed, "config": str, "firmware": str, "angle": float,
+    "scale": float,
+}  # fmt: skip
+
+
+class TwinLink(Link):
+    """twin:COURSE[?OPTIONS]. Raises AddressError for a course or an option that does not exist."""
+
+    def __init__(self, address: str, course: str, options: dict):
+        super().__init__(address)
+        from host.twin import courses
+        from host.twin.simulation import Watch
+
+        names = {name.lower(): name for name in courses.NAMES}
+        if course.lower() not in names:
+            raise AddressError(f"twin:{course}: courses are {', '.join(courses.NAMES)}")
+        arguments = {"course": names[course.lower()], "speed": 1.0}
+        for key, text in options.items():
+            if key not in OPTIONS:
+                raise AddressError(f"twin option {key!r}: there are {', '.join(OPTIONS)}")
+            try:
+                arguments[key] = OPTIONS[key](text)
+            except ValueError:
+                raise AddressError(f"twin option {key}={text}: a number is needed") from None
+        self._outgoing: list[bytes] = []
+        self._guard = threading.Lock()
+        self._open = True
+        self.course = None
+        self._course_name = arguments["course"]
+        watch = _make_watch(Watch, self)
+        self._thread = threading.Thread(target=self._run, args=(arguments, watch), daemon=True)
+        self._thread.start()
+        self.greet()
+
+    def close(self) -> None:
+        self._open = False
+        self._thread.join(5)
+
+    def _run(self, arguments: dict, watch) -> None:
+        from host.twin.run import run
+
+        try:
+            result = run(**arguments, watch=watch)
+        except Exception as error:  # whatever goes wrong in there ends the link, and is told
+            self._end(f"the twin could not run: {error}")
+            return
+        text = f"{result.result} after {result.time_s:.1f} s, least clearance {result.min_clearance_mm:.0f} mm, contacts {result.contacts}"
+        self._end(text + (f" ({result.reason})" if result.reason else ""))
+
+    def _send(self, data: bytes) -> None:
+        with self._guard:
+            self._outgoing.append(data)
+
+    def _outgo(self) -> bytes:
+        if not self._outgoing:
+            return b""
+        with self._guard:
+            data, self._outgoing = b"".join(self._outgoing), []
+        return data
+
+    def _look(self, simulation) -> None:
+        """Tell the world once, and where the robot really is."""
+        if not self._open:
+            raise KeyboardInterrupt  # the twin's way to be told to end
+        if self.course is None:
+            self.course = simulation.course
+            walls = [[round(float(v), 1) for v in segment.reshape(-1)] for segment in _segments(simulation.course)]
+            self._put({"type": "world", "walls": walls, "course": self._course_name})
+        now = time.monotonic()
+        if now - self._looked >= _TRUTH_S:
+            self._looked = now
+            body = simulation.body
+            self._put({
+                "type": "truth", "x": round(float(body.x), 1), "y": round(float(body.y), 1), "heading": round(float(body.heading) * 57.29578, 2),
+                "clearance": round(float(simulation.contact.clearance()), 1), "time": simulation.now / 1e6,
+            })  # fmt: skip
+
+    _looked = 0.0
+
+
+def _segments(course):
+    import numpy as np
+
+    return np.asarray(course.segments, float)
+
+
+def _make_watch(base, link: TwinLink):
+    class LinkWatch(base):
+        """Passes bytes on, both ways."""
+
+        def serial(self, data):
+            link._receive(data)
+
+        def commands(self):
+            return link._outgo()
+
+        def step(self, simulation):
+            link._look(simulation)
+
+    return LinkWatch()
