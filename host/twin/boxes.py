@@ -4,7 +4,8 @@ import numpy as np
 
 COUNT = 9
 SIDES = 120.0, 420.0
-CLEAR = 400.0  # no box reaches below this y: the body starts with its front at 250
+CLEAR = 400.0  # no box reaches so far down to the entrance: the body starts with its front at 250
+BAY = 450.0, 350.0  # width and depth of the place in the middle of the other end that stays free for who enters there
 TRIES = 60
 
 
@@ -34,6 +35,9 @@ def _box(random, width, length):
 
 def _fits(box, others, gap, width, length):
     if box[:, 1].min() < CLEAR or box[:, 1].max() > length:
+        return False
+    across, depth = BAY
+    if box[:, 1].max() > length - depth and box[:, 0].min() < (width + across) / 2 and box[:, 0].max() > (width - across) / 2:
         return False
     for room in (box[:, 0].min(), width - box[:, 0].max()):
         if 0 < room < gap:

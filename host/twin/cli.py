@@ -64,6 +64,7 @@ def _parser():
     add("--firmware", metavar="FOLDER", help="main.py and lib/ to run (default firmware/)")
     add("--json", action="store_true", help="print one JSON object with the result and nothing else")
     add("--record", metavar="FILE", help="record the run (without it, a run that ends badly leaves a recording in out/)")
+    add("--no-record", dest="record", action="store_const", const=False, help="never record")
     add("--picture", metavar="FILE", help="draw the run (.png)")
     add("--mirror", action="store_true", help="the course with left and right exchanged")
     add("--reverse", action="store_true", help="enter from the other end")

@@ -91,8 +91,9 @@ def test_random_keeps_its_gaps_and_a_free_start(seed):
         assert all(boxes.distance(box, other) >= 450 for other in course.boxes[:i])
         for wall in (box[:, 0].min(), 1500 - box[:, 0].max()):
             assert wall <= 0 or wall >= 450
-    assert room(course) > 100
-    assert room(course, np.radians(5)) > 80
+    for entered in (course, courses.make("random", gap=450, seed=seed, reverse=True)):
+        assert room(entered) > 90
+        assert room(entered, np.radians(5)) > 60
 
 
 def test_random_depends_on_the_seed_alone():

@@ -1,0 +1,143 @@
+"""`python -m host.twin` as a person or a script calls it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from host.twin import cli
+
+ROOT = Path(__file__).resolve().parents[2]
+STANDS = "import time\nprint('standing')\nwhile True:\n    time.sleep_ms(50)\n"
+# Straight ahead through the registers alone, 400 mm/s; half a second for the servos.
+STRAIGHT = """
+import machine, time
+i2c = machine.I2C(0, scl=machine.Pin(22), sda=machine.Pin(21), freq=400000)
+enable = machine.Pin(33, machine.Pin.OUT, value=1)
+for address, prescale in ((0x40, 121), (0x41, 5), (0x42, 5)):
+    i2c.writeto(address, bytes([0xFE, prescale]))
+    i2c.writeto(address, bytes([0x00, 0x21]))
+i2c.writeto(0x40, bytes([0x06] + [0, 0, 307 & 255, 307 >> 8] * 10))
+enable.value(0)
+time.sleep_ms(500)
+for address in (0x41, 0x42):
+    i2c.writeto(address, bytes([0x06] + [0, 0, 0, 5, 0, 0, 0, 0] * 5))
+while True:
+    time.sleep_ms(20)
+"""
+KEYS = {
+    "course", "width_mm", "seed", "mode", "engine", "result", "time_s", "min_clearance_mm", "contacts", "scrub_mm_s", "decisions", "wall_s"
+}
+
+
+@pytest.fixture
+def twin(tmp_path, capsys):
+    """twin(source, *arguments) -> (exit code, standard output, error output)."""
+
+    def call(source, *arguments):
+        (tmp_path / "main.py").write_text(source)
+        code = cli.main([*arguments, "--firmware", str(tmp_path), "--no-record"])
+        return code, *capsys.readouterr()
+
+    return call
+
+
+def test_json_is_one_object_and_nothing_else(twin):
+    code, out, _ = twin(STANDS, "Z", "--width", "580", "--seed", "7", "--mode", "naws", "--json")
+    result = json.loads(out)
+    assert KEYS <= set(result)
+    assert (result["course"], result["width_mm"], result["seed"], result["mode"], result["engine"]) == ("Z", 580, 7, "naws", "micropython")
+    assert (result["result"], result["time_s"], result["contacts"], result["decisions"]) == ("timeout", 60, 0, 0)
+    assert code == 1
+
+
+def test_a_run_into_the_wall_is_blocked(twin):
+    code, out, _ = twin(STRAIGHT, "Z", "--json")
+    result = json.loads(out)
+    assert (code, result["result"], result["contacts"]) == (1, "blocked", 1)
+    assert -12.1 < result["min_clearance_mm"] < -5
+    assert result["time_s"] < 30
+
+
+def test_through_is_a_pass(twin):
+    code, out, _ = twin(STRAIGHT, "random", "--gap", "1500", "--json")  # no box fits with such a gap
+    result = json.loads(out)
+    assert (code, result["result"], result["contacts"]) == (0, "pass", 0)
+    assert result["min_clearance_mm"] > 300
+
+
+def test_without_json_it_shows_how_it_goes(twin):
+    code, out, _ = twin(STRAIGHT + "\n", "Z")
+    lines = out.splitlines()
+    assert any("heading" in line and "clearance" in line for line in lines)
+    assert any(line.startswith("Z 550 mm, seed 0, AWS, micropython: blocked") for line in lines)
+
+
+def test_what_the_firmware_prints_is_shown(twin):
+    _, out, _ = twin("import time\nprint('standing')\ntime.sleep_ms(1)\n", "Z")
+    assert "firmware: standing" in out
+
+
+def test_a_crash_shows_its_traceback(twin):
+    code, out, _ = twin("import time\ntime.sleep_ms(5)\n1 // 0\n", "Z")
+    assert code == 1
+    assert "ZeroDivisionError" in out and "blocked" in out
+    code, out, _ = twin("1 // 0\n", "Z", "--json")
+    assert "ZeroDivisionError" in json.loads(out)["reason"]
+
+
+def test_picture(twin, tmp_path):
+    path = tmp_path / "run.png"
+    _, out, _ = twin(STRAIGHT, "Z", "--picture", str(path))
+    assert path.read_bytes().startswith(b"\x89PNG")
+    assert str(path) in out
+
+
+@pytest.mark.parametrize(
+    "arguments, says",
+    [
+        (["Q"], "courses are Z, U, S"),
+        (["Z", "--width", "20"], "260 to 3000"),
+        (["Z", "--width", "wide"], "invalid float value"),
+        (["Z", "--engine", "pypy"], "'micropython', 'cpython'"),
+        (["Z", "--mode", "4ws"], "'aws', 'naws'"),
+        (["Z", "--speed", "0"], "0.01 to 1000 or max"),
+        (["Z", "--seed", "-1"], "whole numbers from 0"),
+        (["Z", "--config", "missing.json"], "missing.json cannot be read"),
+        (["random", "--gap", "5"], "100 to 1500"),
+        (["bend", "--angle", "200"], "20 to 120"),
+        ([], "COURSE"),
+    ],
+)
+def test_bad_arguments_say_what_is_accepted(arguments, says, capsys):
+    try:
+        code = cli.main(arguments)
+    except SystemExit as end:
+        code = end.code
+    out, error = capsys.readouterr()
+    assert code == 2
+    assert says in error
+    assert not out
+
+
+def test_bad_robot_json_names_the_key(tmp_path, capsys):
+    (tmp_path / "robot.json").write_text('{"lidar": {"bawd": 1}}')
+    assert cli.main(["Z", "--config", str(tmp_path / "robot.json")]) == 2
+    assert "bawd" in capsys.readouterr().err
+
+
+def test_ctrl_c_ends_cleanly_with_what_it_has(tmp_path):
+    (tmp_path / "main.py").write_text(STANDS)
+    command = [sys.executable, "-m", "host.twin", "Z", "--speed", "1", "--json", "--no-record", "--firmware", str(tmp_path)]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
+        time.sleep(1.5)
+        os.kill(child.pid, signal.SIGINT)
+        out, error = child.communicate(timeout=10)
+    result = json.loads(out)
+    assert (child.returncode, result["reason"], error) == (1, "interrupted", "")
+    assert 0.2 < result["time_s"] < 3
