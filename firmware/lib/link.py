@@ -29,6 +29,7 @@ from version import VERSION
 # How often each message goes out. Together they keep within half of what the USB line carries, scans not counted.
 _WHEELS_US = const(50_000)
 _POINTS_US = const(150_000)
+_POINT_US = const(1500)  # more points come less often
 _HEALTH_US = const(500_000)
 _HELLO_US = const(1_000_000)
 _NAMES_HELLOS = const(8)
@@ -144,7 +145,7 @@ class Link:
         if self._pose_next:
             self._pose_next = False
             return report.pose(robot.odometry, now_us)
-        if self._due(now_us, self._points_us, _POINTS_US) and self._points_of != self._decisions:
+        if self._points_of != self._decisions and self._due(now_us, self._points_us, max(_POINTS_US, avoid.points_count * _POINT_US)):
             self._points_us = now_us
             self._points_of = self._decisions
             return report.points(avoid, now_us)
