@@ -3,6 +3,7 @@
 import argparse
 import json
 import sys
+from pathlib import Path
 
 from host.recording import RecordingError
 
@@ -20,6 +21,8 @@ def main(arguments=None):
     """Run the twin; returns the exit code: 0 pass, 1 any other result, 2 bad arguments."""
     parser = _parser()
     options = parser.parse_args(arguments)
+    if options.picture and not Path(options.picture).absolute().parent.is_dir():
+        parser.error(f"argument --picture: there is no folder {Path(options.picture).parent}; name a file in a folder that exists")
     progress = None if options.json else Progress()
     try:
         result = run(

@@ -23,13 +23,14 @@ RANDOM_SIZE = 1500.0, 2920.0
 class Course:
     """A course.
 
-    segments: (n, 4) walls and box sides, x1 y1 x2 y2. start: x, y, heading. goal: x, y, heading, half width: through when the centre is
+    segments: (n, 4) walls and box sides, x1 y1 x2 y2. floor: (m, 2) corners of the ground between the walls. start: x, y, heading. goal: x, y, heading, half width: through when the centre is
     beyond the point in the heading's direction and no further than the half width to its side. boxes: corners of each box, (m, 4, 2).
     """
 
     name: str
     width: float
     segments: np.ndarray
+    floor: np.ndarray
     start: tuple
     goal: tuple
     boxes: np.ndarray = field(default_factory=lambda: np.zeros((0, 4, 2)))
@@ -108,6 +109,7 @@ def corridor(name, line, width, boxes=None):
         name,
         width,
         np.vstack(walls),
+        np.vstack([left, right[::-1]]),
         (start[0], start[1], atan2(first[0], first[1])),
         (goal[0], goal[1], atan2(last[0], last[1]), width / 2),
         boxes,

@@ -1,40 +1,127 @@
-"""The picture of a run, as PNG."""
+"""The picture of a run, as PNG: walls, the body on its way, the tracks of its front and rear, and where it touched.
+
+matplotlib is imported here and nowhere else, so that a run without a picture does not wait for it.
+"""
+
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
 
 import numpy as np
+from matplotlib import pyplot
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon
+
+WALL, FLOOR, OUTSIDE, BOX = "#2b2d33", "#fbfaf7", "#e6e4dd", "#c9c5ba"
+FRONT, REAR, BODY, TOUCHED, STANDING = "#d1495b", "#1f6f8b", "#8d99ae", "#e8a400", "#2b2d33"
+EVERY_MM, EVERY_DEG = 120.0, 12.0  # motion from one body outline to the next
+SIZE = 8.0  # inches, the longer side
+WORDS = {"pass": "through without touching", "local_collision": "through, but touched", "blocked": "blocked", "timeout": "not through in time"}
 
 
 def draw(result, path):
-    """Draw walls, body outlines, the tracks of the body's front and rear and every touch. result: run.Result."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-    from matplotlib.collections import LineCollection
-
-    figure, axes = pyplot.subplots(figsize=(9, 8))
-    segments = result.layout.segments.reshape(-1, 2, 2)
-    axes.add_collection(LineCollection(segments, colors="black", linewidths=2))
-    track = result.track
-    half_width, half_length = result.vehicle.width / 2, result.vehicle.length / 2
-    for i in range(0, len(track), 50):
-        axes.plot(*outline(track[i, 1:], half_width, half_length).T, color="tab:blue", linewidth=0.6, alpha=0.6)
-    h = np.radians(track[:, 3])
-    forward = np.stack([np.sin(h), np.cos(h)], axis=1) * half_length
-    axes.plot(*(track[:, 1:3] + forward).T, color="tab:red", label="A, front")
-    axes.plot(*(track[:, 1:3] - forward).T, color="tab:green", label="B, rear")
-    for _, *pose in result.touches:
-        axes.plot(*outline(pose, half_width, half_length).T, color="red", linewidth=1.5)
-    axes.set_aspect("equal")
-    axes.autoscale()
-    axes.legend()
-    axes.set_title(f"{result.course} {result.width_mm:g} mm: {result.result}, {result.time_s:.1f} s")
-    figure.savefig(path, dpi=110)
-    pyplot.close(figure)
+    """Draw a run.Result into a PNG file. ValueError if the file cannot be written."""
+    segments = result.layout.segments
+    low = segments.reshape(-1, 2).min(axis=0) - 60
+    high = segments.reshape(-1, 2).max(axis=0) + 60
+    width, height = SIZE * (high - low) / max(high - low)
+    figure, axes = pyplot.subplots(figsize=(max(width + 0.8, 5), height + 1.4), layout="constrained")
+    figure.set_facecolor("white")
+    axes.set_facecolor(OUTSIDE)
+    _walls(axes, result.layout)
+    _body(axes, result)
+    _tracks(axes, result)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x, mm", ylabel="y, mm")
+    axes.tick_params(colors="#666666", labelsize=8)
+    for side in axes.spines.values():
+        side.set_visible(False)
+    figure.suptitle(_title(result), x=0.02, ha="left", fontsize=10)
+    figure.legend(handles=_legend(result), loc="outside lower left", ncols=3, fontsize=8, frameon=False)
+    try:
+        figure.savefig(Path(path), dpi=120, format="png")
+    except OSError as error:
+        raise ValueError(f"the picture {path} cannot be written: {error.strerror}") from None
+    finally:
+        pyplot.close(figure)
 
 
 def outline(pose, half_width, half_length):
-    """Closed outline of the body, (5, 2). pose: x, y, heading in degrees."""
+    """Corners of the body, (4, 2), from the front right clockwise. pose: x, y, heading in degrees."""
     x, y, heading = pose
     s, c = np.sin(np.radians(heading)), np.cos(np.radians(heading))
-    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) * (half_width, half_length)
+    corners = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) * (half_width, half_length)
     return np.array([x, y]) + corners @ np.array([(c, -s), (s, c)])
+
+
+def stations(track):
+    """Indices of the track, (n, 4), at which the body has moved or turned enough to be drawn again, the first and the last included."""
+    out, last = [0], track[0]
+    for i, point in enumerate(track):
+        if np.hypot(*(point[1:3] - last[1:3])) > EVERY_MM or abs(point[3] - last[3]) > EVERY_DEG:
+            out.append(i)
+            last = point
+    return out + [len(track) - 1]
+
+
+def touching_point(pose, half, segments):
+    """The point of the body's outline that is nearest to a wall."""
+    corners = outline(pose, *half)
+    share = np.linspace(0, 1, 60)[:, None, None]
+    points = (corners + share * (np.roll(corners, -1, axis=0) - corners)).reshape(-1, 2)
+    start, side = segments[:, :2], segments[:, 2:] - segments[:, :2]
+    relative = points[:, None] - start
+    along = np.clip((relative * side).sum(-1) / (side * side).sum(-1), 0, 1)
+    distance = np.hypot(*np.moveaxis(relative - along[..., None] * side, -1, 0)).min(axis=1)
+    return points[distance.argmin()]
+
+
+def _walls(axes, layout):
+    floor = axes.add_patch(Polygon(layout.floor, closed=True, facecolor=FLOOR))
+    walls = layout.segments[: len(layout.segments) - 4 * len(layout.boxes)]
+    axes.add_collection(LineCollection(walls.reshape(-1, 2, 2), colors=WALL, linewidths=2.2, capstyle="round", zorder=5))
+    for box in layout.boxes:
+        axes.add_patch(Polygon(box, closed=True, facecolor=BOX, edgecolor=WALL, linewidth=1.5, zorder=4)).set_clip_path(floor)
+
+
+def _body(axes, result):
+    half = result.vehicle.width / 2, result.vehicle.length / 2
+    indices = stations(result.track)
+    for i in indices[:-1]:
+        axes.add_patch(Polygon(outline(result.track[i, 1:], *half), closed=True, facecolor=BODY, edgecolor=BODY, alpha=0.16, linewidth=0))
+        axes.add_patch(Polygon(outline(result.track[i, 1:], *half), closed=True, fill=False, edgecolor=BODY, alpha=0.55, linewidth=0.6))
+    for _, *pose in result.touches:
+        axes.add_patch(Polygon(outline(pose, *half), closed=True, fill=False, edgecolor=TOUCHED, linewidth=1.2, zorder=8))
+        axes.plot(*touching_point(pose, half, result.layout.segments), "o", color=TOUCHED, markersize=9, markeredgecolor=WALL, zorder=9)
+    x, y, heading = last = result.track[-1, 1:]
+    axes.add_patch(Polygon(outline(last, *half), closed=True, facecolor="white", edgecolor=STANDING, linewidth=1.6, zorder=7))
+    nose = np.array([np.sin(np.radians(heading)), np.cos(np.radians(heading))]) * half[1]
+    arrow = dict(arrowstyle="-|>", color=STANDING, linewidth=1.2)
+    axes.annotate("", (x + 0.8 * nose[0], y + 0.8 * nose[1]), (x - 0.2 * nose[0], y - 0.2 * nose[1]), arrowprops=arrow, zorder=8)
+
+
+def _tracks(axes, result):
+    track = result.track
+    heading = np.radians(track[:, 3])
+    forward = np.stack([np.sin(heading), np.cos(heading)], axis=1) * result.vehicle.length / 2
+    axes.plot(*(track[:, 1:3] + forward).T, color=FRONT, linewidth=1.5, zorder=6)
+    axes.plot(*(track[:, 1:3] - forward).T, color=REAR, linewidth=1.5, zorder=6)
+
+
+def _title(result):
+    width = f"gaps of {result.gap_mm:g} mm" if result.course == "random" else f"{result.width_mm:g} mm wide"
+    figures = f"{result.time_s:.1f} s, "
+    if result.contacts:
+        figures += f"{result.contacts} contact{'s' * (result.contacts > 1)}, up to {-result.min_clearance_mm:.0f} mm deep"
+    else:
+        figures += f"least clearance {result.min_clearance_mm:.0f} mm"
+    return f"{result.course}, {width}, {result.mode.upper()}, seed {result.seed}\n{WORDS[result.result]}; {figures}"
+
+
+def _legend(result):
+    out = [Line2D([], [], color=FRONT, label="A, middle of the front"), Line2D([], [], color=REAR, label="B, middle of the rear")]
+    if result.touches:
+        out.append(Line2D([], [], color=TOUCHED, marker="o", markeredgecolor=WALL, linewidth=1.2, label="touched"))
+    return out

@@ -111,6 +111,7 @@ def test_picture(twin, tmp_path):
         (["Z", "--config", "missing.json"], "missing.json cannot be read"),
         (["random", "--gap", "5"], "100 to 1500"),
         (["bend", "--angle", "200"], "20 to 120"),
+        (["Z", "--picture", "missing/run.png"], "no folder missing"),
         ([], "COURSE"),
     ],
 )
