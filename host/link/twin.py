@@ -1,8 +1,9 @@
 """The twin as a link: it runs in a thread, and the firmware's USB serial line is the wire.
 
-    twin:COURSE?width=550&gap=400&seed=3&mode=naws&speed=1&engine=cpython&config=robot.json&firmware=FOLDER
+    twin:COURSE?width=550&gap=400&seed=3&mirror=1&reverse=1&angle=90&scale=1&mode=naws&speed=1&engine=cpython&config=robot.json&record=FILE
 
-COURSE is one of the twin's, in any case; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes.
+COURSE is one of the twin's, in any case; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes. What
+the others mean: `python -m host.twin --help`.
 """
 
 import threading
@@ -18,10 +19,37 @@ def _speed(text):
     return None if text == "max" else float(text)
 
 
+def _flag(text):
+    return bool(int(text))
+
+
 OPTIONS = {
-    "width": float, "gap": float, "seed": int, "mode": str, "engine": str, "speed": _speed, "config": str, "firmware": str, "angle": float,
-    "scale": float,
+    "width": float, "gap": float, "seed": int, "mirror": _flag, "reverse": _flag, "angle": float, "scale": float, "mode": str, "engine": str,
+    "speed": _speed, "config": str, "firmware": str, "record": str,
 }  # fmt: skip
+
+
+def arguments_of(course: str, options: dict) -> dict:
+    """Arguments of `host.twin.run.run`. Raises AddressError for a course or an option that does not exist."""
+    from host.twin import courses
+
+    names = {name.lower(): name for name in courses.NAMES}
+    if course.lower() not in names:
+        raise AddressError(f"twin:{course}: courses are {', '.join(courses.NAMES)}")
+    arguments = {"course": names[course.lower()], "speed": 1.0, "record": False}
+    for key, text in options.items():
+        if key not in OPTIONS:
+            raise AddressError(f"twin option {key!r}: there are {', '.join(OPTIONS)}")
+        try:
+            arguments[key] = OPTIONS[key](text)
+        except ValueError:
+            raise AddressError(f"twin option {key}={text}: a number is needed") from None
+    return arguments
+
+
+def world_of(course) -> dict:
+    """Message `world` for a Course of the twin."""
+    return {"type": "world", "walls": [[round(float(v), 1) for v in segment] for segment in course.segments], "course": course.name}
 
 
 class TwinLink(Link):
@@ -29,25 +57,14 @@ class TwinLink(Link):
 
     def __init__(self, address: str, course: str, options: dict):
         super().__init__(address)
-        from host.twin import courses
         from host.twin.simulation import Watch
 
-        names = {name.lower(): name for name in courses.NAMES}
-        if course.lower() not in names:
-            raise AddressError(f"twin:{course}: courses are {', '.join(courses.NAMES)}")
-        arguments = {"course": names[course.lower()], "speed": 1.0}
-        for key, text in options.items():
-            if key not in OPTIONS:
-                raise AddressError(f"twin option {key!r}: there are {', '.join(OPTIONS)}")
-            try:
-                arguments[key] = OPTIONS[key](text)
-            except ValueError:
-                raise AddressError(f"twin option {key}={text}: a number is needed") from None
+        arguments = arguments_of(course, options)
         self._outgoing: list[bytes] = []
         self._guard = threading.Lock()
         self._open = True
-        self.course = None
-        self._course_name = arguments["course"]
+        self._told = False
+        self._looked = 0.0
         watch = _make_watch(Watch, self)
         self._thread = threading.Thread(target=self._run, args=(arguments, watch), daemon=True)
         self._thread.start()
@@ -83,10 +100,9 @@ class TwinLink(Link):
         """Tell the world once, and where the robot really is."""
         if not self._open:
             raise KeyboardInterrupt  # the twin's way to be told to end
-        if self.course is None:
-            self.course = simulation.course
-            walls = [[round(float(v), 1) for v in segment.reshape(-1)] for segment in _segments(simulation.course)]
-            self._put({"type": "world", "walls": walls, "course": self._course_name})
+        if not self._told:
+            self._told = True
+            self._put(world_of(simulation.course))
         now = time.monotonic()
         if now - self._looked >= _TRUTH_S:
             self._looked = now
@@ -95,14 +111,6 @@ class TwinLink(Link):
                 "type": "truth", "x": round(float(body.x), 1), "y": round(float(body.y), 1), "heading": round(float(body.heading) * 57.29578, 2),
                 "clearance": round(float(simulation.contact.clearance()), 1), "time": simulation.now / 1e6,
             })  # fmt: skip
-
-    _looked = 0.0
-
-
-def _segments(course):
-    import numpy as np
-
-    return np.asarray(course.segments, float)
 
 
 def _make_watch(base, link: TwinLink):
