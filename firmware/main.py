@@ -24,7 +24,7 @@ def build(config):
     servos = PCA9685(i2c, config.servos_address, config.servos_frequency, config.servos_oscillator)
     left = PCA9685(i2c, config.motors_left, config.motors_frequency, config.motors_oscillator)
     right = PCA9685(i2c, config.motors_right, config.motors_frequency, config.motors_oscillator)
-    drive = Drive(Steering(config.axles_spacings, config.axles_track), servos, left, right, enable, config)
+    drive = Drive(Steering(config.axles_spacings, config.axles_track, config.axles_first), servos, left, right, enable, config)
     uart = machine.UART(config.lidar_uart, config.lidar_baud, rx=config.lidar_rx, rxbuf=config.lidar_rxbuf, timeout=0, timeout_char=1)
     motor = None
     if config.lidar_motor_pin is not None:

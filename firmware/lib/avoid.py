@@ -16,7 +16,7 @@ from micropython import const
 
 import reasons
 from envelope import (
-    CAP, COUNT, FIRST, FIRST_STRIP, FLOOR, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, LENGTHS, MARGIN, NEAR, STRIDE,
+    BAND, CAP, COUNT, FIRST, FIRST_STRIP, FLOOR, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, LENGTHS, MARGIN, NEAR, SOFT, STRIDE,
     Envelopes, mirror, move, sort_near, sweep_arcs, sweep_strips,
 )
 from field import Field, score_ends
@@ -40,6 +40,7 @@ _BACK_LEFT = const(5)
 _NODE_PICK = const(6)
 _EXPAND = const(7)
 _SETTLE = const(8)
+_FIELD = const(9)
 
 
 @micropython.viper
@@ -55,7 +56,7 @@ def _weigh(score: ptr16, free: ptr16, soft: ptr16, af: ptr16, ar: ptr16, lengths
     variant = job[3]
     af0 = job[4] - 1800
     ar0 = job[5] - 1800
-    ahead = job[6]
+    room = job[6]
     w_steer = job[7]
     w_change = job[8]
     extra = job[9]
@@ -88,18 +89,18 @@ def _weigh(score: ptr16, free: ptr16, soft: ptr16, af: ptr16, ar: ptr16, lengths
         if e < 0:
             e = 0 - e
         cost = ((cost + (d + e) * w_change) >> 10) + extra
+        # A way that closes soon, or narrowly passed, is dear whatever part of it is driven: the rest comes next.
         f = free[k]
-        if f < ahead:
-            cost += (ahead - f) >> 2
-        s = soft[k]
+        if f < room:
+            cost += (room - f) >> 1
+        f = soft[k]
+        if f < room:
+            cost += (room - f) >> 2
         i = 0
         while i < 5:
             v = score[k * 5 + i]
             if v < 65000:
-                c = cost
-                if lengths[i] > s:
-                    c += (lengths[i] - s) >> 2
-                score[k * 5 + i] = v + c
+                score[k * 5 + i] = v + cost
             i += 1
         k += stride
 
@@ -123,33 +124,26 @@ def _best(score: ptr16, first: int, last: int, stride: int) -> int:
 
 
 @micropython.viper
-def _suppress(score: ptr16, ends: ptr16, count: int, at: int, radius: int):
-    """Take out the travels that end within radius of where travel `at` ends (both end discs together)."""
-    b = at * 4
-    x0 = ends[b]
-    y0 = ends[b + 1]
-    x1 = ends[b + 2]
-    y1 = ends[b + 3]
+def _suppress(score: ptr16, ends: ptr16, turns: ptr16, count: int, at: int, radius: int, reach: int):
+    """Take out the travels that end within radius of where travel `at` ends; a turn counts as the way of the body's ends."""
+    x0 = ends[at * 2]
+    y0 = ends[at * 2 + 1]
+    a0 = turns[at] ^ 0x8000
     i = 0
     last = count * 5
     while i < last:
         if score[i] < 65535:
-            b = i * 4
-            d = ends[b] - x0
+            d = ends[i * 2] - x0
             if d < 0:
                 d = 0 - d
-            e = ends[b + 1] - y0
+            e = ends[i * 2 + 1] - y0
             if e < 0:
                 e = 0 - e
             d += e
-            e = ends[b + 2] - x1
+            e = (turns[i] ^ 0x8000) - a0
             if e < 0:
                 e = 0 - e
-            d += e
-            e = ends[b + 3] - y1
-            if e < 0:
-                e = 0 - e
-            if d + e < radius:
+            if d + (e * reach >> 9) < radius:
                 score[i] = 65535
         i += 1
 
@@ -186,7 +180,7 @@ class Avoid:
         self._block2 = array("H", bytes(2 * count))
         self._score2 = array("H", bytes(2 * count * LENGTHS))
         self._sweep = array("i", [0] * JOB_FIELDS)
-        self._ends_job = array("i", [0] * 11)
+        self._ends_job = array("i", [0] * 13)
         self._weigh_job = array("i", [0] * 10)
         self._node_variant = bytearray(_NODES)
         self._node_at = array("H", bytes(2 * _NODES))
@@ -195,8 +189,11 @@ class Avoid:
         self._node = 0
         self._n = 0
         self._near = 0
-        self._stage = _IDLE
-        self._frames = 0
+        self._stage = _FIELD
+        self._field_x = 0
+        self._field_y = 0
+        self._field_heading = 0
+        self._field_frame = 0
         # The steering being driven: candidate and how it is mirrored (bit 0 left, bit 1 backward).
         self._k = 0
         self._variant = 0
@@ -209,7 +206,6 @@ class Avoid:
         self._ready = 0
         self.reset_decision()
         self.decisions = 0
-        self.period = 4  # frames
         self.configure()
 
     def configure(self):
@@ -241,7 +237,6 @@ class Avoid:
         """Take in one measurement frame."""
         self.points.frame(lidar, odometry, now_us)
         self.field.follow(odometry)
-        self._frames += 1
         self._ready += 1
 
     def guard(self, odometry):
@@ -254,7 +249,7 @@ class Avoid:
     def _look(self, odometry):
         env = self.envelopes
         n = self.points.view(odometry, self._x, self._y, self.look_ahead + env.half_length)
-        self._near = sort_near(self._x, self._y, n, env.half_width, env.half_length, env.margin + _BAND)
+        self._near = sort_near(self._x, self._y, n, env.half_width, env.half_length, env.soft + _BAND)
         self._n = n
         mirror(self._x, self._mx, n)
         mirror(self._y, self._my, n)
@@ -284,6 +279,8 @@ class Avoid:
         job[CAP] = self.look_ahead
         job[FLOOR] = floor
         job[STRIDE] = stride
+        job[SOFT] = env.soft
+        job[BAND] = _BAND
         arcs = env.arcs
         job[FIRST_STRIP] = arcs
         if first < arcs:
@@ -313,6 +310,7 @@ class Avoid:
         job[3] = cos14(a + heading) + 16384
         job[6] = field.cell
         job[10] = field.unit
+        job[11] = a + heading
 
     def _worth(self, variant, free, soft, score, first, last, stride, af, ar, extra):
         env = self.envelopes
@@ -322,7 +320,7 @@ class Avoid:
         job[7] = first
         job[8] = last
         job[9] = stride
-        score_ends(self.field.cost, env.ends, free, env.lengths, score, job)
+        score_ends(self.field.use, env.ends, env.turns, free, env.lengths, score, job)
         job = self._weigh_job
         job[0] = first
         job[1] = last
@@ -330,7 +328,7 @@ class Avoid:
         job[3] = variant
         job[4] = af + 1800
         job[5] = ar + 1800
-        job[6] = self.look_ahead
+        job[6] = self.look_ahead * 3 // 7
         job[7] = self._steer_weight
         job[8] = self._change_weight
         job[9] = extra
@@ -338,13 +336,7 @@ class Avoid:
 
     def _here(self, odometry):
         """Cost-to-leave of the body where it is, mm."""
-        q = self.envelopes.disc
-        a = (odometry.heading + 50) // 100
-        dx = (q * sin14(a)) >> 11
-        dy = (q * cos14(a)) >> 11
-        x = odometry.x >> 5
-        y = odometry.y >> 5
-        return (self.field.at(x + dx, y + dy) + self.field.at(x - dx, y - dy)) >> 1
+        return self.field.at(odometry.x >> 5, odometry.y >> 5, (odometry.heading + 50) // 100)
 
     # ---- the decision, slice by slice
 
@@ -352,15 +344,19 @@ class Avoid:
         """One slice. Returns True when a decision has just been made (af, ar, v and the rest hold it)."""
         if self.config.changes != self._changes:
             self.configure()
-        if not self.field.ready or self._ready < 20:
-            self.field.work(odometry, self.points)
-            return False
         stage = self._stage
+        if stage == _FIELD:
+            if self.field.work(odometry, self.points):
+                self._stage = _IDLE
+                self._field_x = odometry.x
+                self._field_y = odometry.y
+                self._field_heading = odometry.heading
+                self._field_frame = self._ready
+            return False
         if stage == _IDLE:
-            if self._frames < self.period:
-                self.field.work(odometry, self.points)
+            if self._ready < 20 or not self._worth_waiting(odometry):
+                self._stage = _FIELD
                 return False
-            self._frames = 0
             self._begin(odometry)
             if self._plan and self._follow(odometry):
                 return self._publish(drive)
@@ -401,6 +397,18 @@ class Avoid:
         self._settle(odometry)
         return self._publish(drive)
 
+    def _worth_waiting(self, odometry):
+        """Whether the field in use still fits: the robot has hardly moved since and it is not old."""
+        if not self.field.ready:
+            return False
+        dx = (odometry.x - self._field_x) >> 8
+        dy = (odometry.y - self._field_y) >> 8
+        turned = (odometry.heading - self._field_heading) % 360000
+        if turned > 180000:
+            turned = 360000 - turned
+        near = self.look_ahead // 10
+        return dx * dx + dy * dy < near * near and turned < 8000 and self._ready - self._field_frame < 40
+
     def _begin(self, odometry):
         self._look(odometry)
         self._urgent = self.windows.sort(self._x, self._y, self._n)
@@ -421,7 +429,7 @@ class Avoid:
             variant = 1
             a = b
             value_a = value_b
-        if a == _NOTHING or value_a > here + 260:
+        if a == _NOTHING or value_a > here + 130:
             return False
         k = a // LENGTHS
         if self.free_of[variant][k] < self.config.avoid_accept:
@@ -472,7 +480,7 @@ class Avoid:
             self._node_variant[n] = variant
             self._node_at[n] = at
             self._node_score[n] = best
-            _suppress(self._score[variant], env.ends, env.count, at, env.look_ahead // 7)
+            _suppress(self._score[variant], env.ends, env.turns, env.count, at, env.look_ahead // 12, env.half_length)
             n += 1
         self._nodes = n
         self._node = 0
@@ -485,10 +493,8 @@ class Avoid:
         v = self._node_variant[self._node]
         at = self._node_at[self._node]
         k = at // LENGTHS
-        t = at * 4
-        ends = env.ends
-        x = (ends[t] + ends[t + 2]) // 2 - 8192
-        y = (ends[t + 1] + ends[t + 3]) // 2 - 8192
+        x = env.ends[at * 2] - 8192
+        y = env.ends[at * 2 + 1] - 8192
         turn = env.turns[at]
         if v & 1:
             x = -x
@@ -497,7 +503,7 @@ class Avoid:
             y = -y
             turn = -turn
         n = move(self._x, self._y, self._n, x, y, sin14(turn), cos14(turn), self.look_ahead + env.half_length, self._nx, self._ny)
-        near = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.margin + _BAND)
+        near = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.soft + _BAND)
         mirror(self._nx, self._nmx, n)
         self._grid(odometry, x, y, turn)
         first_af = self.af
@@ -509,7 +515,9 @@ class Avoid:
             a, r = -r, -a
         elif v == 3:
             a, r = r, a
-        base = self._node_score[self._node] - self._end_cost(v, at)
+        # The second move's score replaces the cost of the pose where the first ends.
+        job = self._ends_job
+        base = self._node_score[self._node] - self.field.at(job[0] + self.field.corner_x, job[1] + self.field.corner_y, job[11])
         for second in (0, 1):
             self._sweep_on(self._nmx if second else self._nx, self._ny, n, near, 0, env.count, 2, env.lengths[1], self._free2, self._soft2, self._block2)
             stride = 2
@@ -527,29 +535,6 @@ class Avoid:
                     self._second_variant = second
                     self._second_k = b // LENGTHS
                     self._second_length = env.lengths[b % LENGTHS]
-
-    def _end_cost(self, v, at):
-        """Part of a node's score that is the cost-to-leave at its end: the second move's score replaces it."""
-        env = self.envelopes
-        ends = env.ends
-        t = at * 4
-        job = self._ends_job
-        total = 0
-        return self._node_cost(at, v)
-
-    def _node_cost(self, at, v):
-        env = self.envelopes
-        field = self.field
-        q = env.disc
-        job = self._ends_job
-        # _grid() has set the job to the node's pose
-        s = job[2] - 16384
-        c = job[3] - 16384
-        dx = (q * s) >> 11
-        dy = (q * c) >> 11
-        x = job[0] + field.corner_x
-        y = job[1] + field.corner_y
-        return (field.at(x + dx, y + dy) + field.at(x - dx, y - dy)) >> 1
 
     def _settle(self, odometry):
         """Drive the best pair of moves, or the least bad single one, or stand."""
@@ -661,7 +646,6 @@ class Avoid:
         self.why = why
         self._plan = 0
         self._stage = _IDLE
-        self._frames = self.period
         self.decisions += 1
 
     def _show(self):

@@ -51,7 +51,9 @@ TESTS = const(9)
 HITS = const(10)
 FIRST_STRIP = const(11)
 STRIDE = const(12)
-JOB_FIELDS = const(13)
+SOFT = const(13)
+BAND = const(14)
+JOB_FIELDS = const(15)
 
 RIGHT_ANGLES = (0, 6, 12, 20, 28, 37, 47, 60)
 SAME_PHASE = ((25, 10), (45, 25), (45, 10), (-10, -25), (-25, -45), (-10, -45))
@@ -139,6 +141,8 @@ def sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, fr
     cap = job[7]
     floor = job[8]
     stride = job[12]
+    soft_margin = job[13]
+    band = job[14]
     tests = job[9]
     hits = job[10]
     while k < last:
@@ -154,6 +158,7 @@ def sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, fr
         turn_mm = consts[base + 9]
         ref = consts[base + 10]
         length = cap
+        soft_length = cap
         block = 65535
         # Points at the outline: how fast does the nearest side of the body come towards them?
         i = 0
@@ -171,8 +176,16 @@ def sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, fr
                 ay = 0 - ay
                 rate_y = 0 - rate_y
             gap = ax - half_width
-            if ay - half_length > gap:
-                gap = ay - half_length
+            gap_y = ay - half_length
+            # Off a corner on both sides the point is passed, or the table meets it.
+            aside = 0
+            if gap >= margin and gap_y >= margin:
+                aside = 1
+                if gap >= soft_margin and gap_y >= soft_margin:
+                    rate = 0
+                    rate_y = 0
+            if gap_y > gap:
+                gap = gap_y
                 rate = rate_y
             if rate > 0:
                 allowed = gap - margin
@@ -182,15 +195,22 @@ def sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, fr
                         allowed = 1
                         if gap < 1:
                             allowed = 0
-                if allowed * ref < length * rate:
+                if aside == 0 and allowed < band and allowed * ref < length * rate:
                     length = allowed * ref // rate
                     block = i
+                allowed = gap - soft_margin
+                if allowed < 2:
+                    allowed = 2
+                if allowed * ref < soft_length * rate:
+                    soft_length = allowed * ref // rate
             i += 1
         tests += near
         limit = (length << 16) // turn_mm
         if limit > consts[base + 8]:
             limit = consts[base + 8]
-        soft_limit = limit
+        soft_limit = (soft_length << 16) // turn_mm
+        if soft_limit > limit:
+            soft_limit = limit
         bottom = (floor << 16) // turn_mm
         if limit >= bottom:
             row = k * 128
@@ -277,6 +297,8 @@ def sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, s
     margin = job[6]
     first = job[11]
     stride = job[12]
+    soft_margin = job[13]
+    band = job[14]
     while k < last:
         base = (k - first) * 8
         s = strips[base]
@@ -288,6 +310,7 @@ def sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, s
         slope_front = strips[base + 6]  # 1/1024
         slope_side = strips[base + 7]
         length = job[7]
+        soft_length = length
         block = 65535
         i = 0
         while i < near:
@@ -302,8 +325,16 @@ def sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, s
                 ay = 0 - ay
                 rate_y = 0 - c
             gap = ax - half_width
-            if ay - half_length > gap:
-                gap = ay - half_length
+            gap_y = ay - half_length
+            # Off a corner on both sides the point is passed, or the table meets it.
+            aside = 0
+            if gap >= margin and gap_y >= margin:
+                aside = 1
+                if gap >= soft_margin and gap_y >= soft_margin:
+                    rate = 0
+                    rate_y = 0
+            if gap_y > gap:
+                gap = gap_y
                 rate = rate_y
             if rate > 0:
                 allowed = gap - margin
@@ -313,12 +344,17 @@ def sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, s
                         allowed = 1
                         if gap < 1:
                             allowed = 0
-                if (allowed << 14) < length * rate:
+                if allowed < band and (allowed << 14) < length * rate:
                     length = (allowed << 14) // rate
                     block = i
+                allowed = gap - soft_margin
+                if allowed < 2:
+                    allowed = 2
+                if (allowed << 14) < soft_length * rate:
+                    soft_length = (allowed << 14) // rate
             i += 1
         length = length << 4
-        soft_length = length
+        soft_length = soft_length << 4
         i = 0
         while i < n:
             x = px[i] - 8192
@@ -348,15 +384,14 @@ class Envelopes:
     """Every candidate steering with its envelope.
 
     Candidates 0..arcs-1 turn right, arcs..count-1 go straight or crab to the right. `af`, `ar`: array 'h', 0.1 deg.
-    `ends`: for each candidate and each of LENGTHS travels (`lengths`, mm), where the centres of the body's two end
-    discs come to lie: front x, front y, rear x, rear y, mm + 8192.
+    `ends`, `turns`: for each candidate and each of LENGTHS travels (`lengths`, mm) where the body's centre comes to lie,
+    x, y, mm + 8192, and how far it has turned clockwise, 0.1 deg.
     """
 
     def __init__(self, config):
         self.half_width = config.robot_width // 2
         self.half_length = config.robot_length // 2
         self.look_ahead = config.windows_look_ahead
-        self.disc = self.half_length - self.half_width  # end disc centres at y = +-disc
         spacings = config.axles_spacings
         self.wheelbase = sum(spacings)
         self.first_axle = config.axles_first
@@ -383,7 +418,7 @@ class Envelopes:
         self.consts = array("i", [0] * (self.arcs * _STRIDE))
         self.table = array("H", bytes(2 * self.arcs * BINS * 4))
         self.strips = array("i", [0] * (8 * len(strips)))
-        self.ends = array("H", bytes(2 * self.count * LENGTHS * 4))
+        self.ends = array("H", bytes(2 * self.count * LENGTHS * 2))
         self.turns = array("h", bytes(2 * self.count * LENGTHS))  # change of heading, 0.1 deg
         self.set_margin(config.avoid_margin, config.avoid_soft_margin)
         self._fill_ends()
@@ -396,6 +431,7 @@ class Envelopes:
     def set_margin(self, margin, soft):
         """(Re)build every table for a margin and a soft margin, mm. Takes about half a second on the ESP32."""
         self.margin = margin
+        self.soft = soft
         for k in range(self.arcs):
             self._fill_arc(k, margin, soft)
         for k in range(self.count - self.arcs):
@@ -516,17 +552,12 @@ class Envelopes:
         t[b + 7] = min(int(c / s * 1024), 60000) if s > 0.01 else 60000
 
     def _fill_ends(self):
-        q = self.disc
         for k in range(self.count):
             for i in range(LENGTHS):
                 x, y, turn = self.end(k, self.lengths[i])
-                s = sin(turn)
-                c = cos(turn)
-                t = (k * LENGTHS + i) * 4
-                self.ends[t] = round(x + q * s) + BIAS
-                self.ends[t + 1] = round(y + q * c) + BIAS
-                self.ends[t + 2] = round(x - q * s) + BIAS
-                self.ends[t + 3] = round(y - q * c) + BIAS
+                t = (k * LENGTHS + i) * 2
+                self.ends[t] = round(x) + BIAS
+                self.ends[t + 1] = round(y) + BIAS
                 self.turns[k * LENGTHS + i] = round(turn * 1800 / pi)
 
     def end(self, k, length):

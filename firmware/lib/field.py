@@ -1,198 +1,239 @@
-"""The way on: a coarse grid round the robot and, in every cell, the cost of leaving it.
+"""The way on: what it costs the long body, from every pose round it, to leave the neighbourhood.
 
-The envelope test knows what the long body can do in the next half second; it does not know where to go. The field
-does: from every cell on the rim of the grid (48 x 48 cells of 1/15 body length, the robot in the middle) the cost
-of the way to it is spread inwards, round the obstacles grown by half the body's width. Rim cells in the direction
-the robot has been travelling are the cheapest exits; ground the robot has covered already is dear, so it goes on
-rather than back, and comes back only when there is nothing else.
+The envelope test knows what the body can do in the next half second; it does not know where to go. The field does: over
+a grid of poses (30 x 30 places of 1/12 body length, 12 orientations of 15 degrees) the cost of the cheapest way out is
+spread inwards from the rim. Poses in which the outline covers a point are closed; places the robot has covered already
+are dear, dearer each time, so that it goes on rather than back and comes back only when nothing else is left. Rim
+places in the direction the robot has been travelling are the cheapest exits.
 
-The spreading is a label-correcting search (a queue of cells whose cost fell) with steps of 16 and 23 per cell, cut
-into slices so that no call takes long. While it is under way the previous field stays in use.
+The body is the same seen from both ends, so half a turn of orientations is enough. The grid is coarse: the outline is
+taken a little small, and the exact test of every move is the envelope's business.
+
+The spreading is a label-correcting search (a queue of poses whose cost fell), cut into slices so that no call takes
+long; the finished field is copied to bytes, relative to the robot's own cost, and used while the next one is made.
+Lengths on the floor are 1/8 mm modulo 2**16; costs are sixteenths of a cell.
 """
 
 from array import array
+from math import cos, pi, sin
 
 import micropython
 from micropython import const
 
-N = const(48)
-CELLS = const(N * N)
-STEP = const(16)
-_TRAIL = const(2)
+from trig import cos14, sin14
+
+N = const(30)
+TURNS = const(12)
+PLACES = const(900)
+STATES = const(10800)
+QUEUE = const(4096)
+_TRAIL = const(1)
 _TRAIL_POINTS = const(160)
+FAR = const(20000)  # mm: no way known
 
 
 @micropython.viper
-def _clear(weight: ptr8, cost: ptr16, queued: ptr8):
+def _clear(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8):
     i = 0
-    while i < 2304:
+    while i < 10800:
+        cost[i] = 32767
+        i += 1
+    i = 0
+    while i < 360:
+        rows[i] = 0
+        tight[i] = 0
+        i += 1
+    i = 0
+    while i < 900:
         weight[i] = 2
-        cost[i] = 60000
-        queued[i] = 0
         i += 1
 
 
 @micropython.viper
-def _stamp(weight: ptr8, x: int, y: int, radius2: int, radius: int, cell: int, value: int, add: int):
-    """Give cells whose centre is within the radius of (x, y) the value, or add to it. Units of 1/8 mm from the grid's corner."""
+def _cover(weight: ptr8, x: int, y: int, radius: int, cell: int, value: int):
+    """Make the places within the radius of (x, y) dearer by the value."""
     half = cell >> 1
     i0 = (x - radius) // cell
     i1 = (x + radius) // cell
-    j0 = (y - radius) // cell
+    j = (y - radius) // cell
     j1 = (y + radius) // cell
     if i0 < 0:
         i0 = 0
-    if j0 < 0:
-        j0 = 0
-    if i1 > 47:
-        i1 = 47
-    if j1 > 47:
-        j1 = 47
-    j = j0
+    if j < 0:
+        j = 0
+    if i1 > 29:
+        i1 = 29
+    if j1 > 29:
+        j1 = 29
+    room = radius * radius
     while j <= j1:
         dy = j * cell + half - y
-        room = radius2 - dy * dy
         i = i0
         while i <= i1:
             dx = i * cell + half - x
-            if dx * dx <= room:
-                w = weight[j * 48 + i]
-                if add:
-                    if w < 60:
-                        weight[j * 48 + i] = w + value
-                elif w < value:
-                    weight[j * 48 + i] = value
+            if dx * dx + dy * dy <= room:
+                w = weight[j * 30 + i]
+                if w < 40:
+                    weight[j * 30 + i] = w + value
             i += 1
         j += 1
 
 
 @micropython.viper
-def _obstacles(weight: ptr8, fx: ptr16, fy: ptr16, count: int, gx: int, gy: int, cell: int, hard: int, wide: int, k: int, last: int):
-    """Grow the points k..last-1 into the weights."""
-    size = cell * 48
+def _close(rows: ptr32, fx: ptr16, fy: ptr16, first: int, last: int, gx: int, gy: int, shape: ptr32, cell: int):
+    """Close the poses whose outline covers one of the points first..last-1: one mask of 30 bits per row and orientation."""
+    size = cell * 30
     half = cell >> 1
-    h2 = hard * hard
-    w2 = wide * wide
-    if last > count:
-        last = count
+    inverse = 4194304 // cell  # 2**22 / cell
+    k = first
     while k < last:
         x = (((fx[k] - gx) & 0xFFFF) ^ 0x8000) - 0x8000
         y = (((fy[k] - gy) & 0xFFFF) ^ 0x8000) - 0x8000
-        if x > 0 - wide and y > 0 - wide and x < size + wide and y < size + wide:
-            i0 = (x - wide) // cell
-            i1 = (x + wide) // cell
-            j = (y - wide) // cell
-            j1 = (y + wide) // cell
-            if i0 < 0:
-                i0 = 0
-            if j < 0:
-                j = 0
-            if i1 > 47:
-                i1 = 47
-            if j1 > 47:
-                j1 = 47
-            while j <= j1:
-                dy = j * cell + half - y
-                dy = dy * dy
-                i = i0
-                while i <= i1:
-                    dx = i * cell + half - x
-                    d2 = dx * dx + dy
-                    if d2 <= w2:
-                        at = j * 48 + i
-                        if d2 <= h2:
-                            weight[at] = 90
-                        elif weight[at] < 3:
-                            weight[at] = 3
-                    i += 1
-                j += 1
+        reach = shape[4]
+        if x > 0 - reach and y > 0 - reach and x < size + reach and y < size + reach:
+            t = 0
+            while t < 12:
+                b = t * 5
+                a1 = shape[b] - 65536
+                b1 = shape[b + 1]
+                a2 = shape[b + 2] - 65536
+                b2 = shape[b + 3]
+                tall = shape[60 + t]
+                j = ((y - tall - half) * inverse >> 22) + 1
+                j1 = (y + tall - half) * inverse >> 22
+                if j < 0:
+                    j = 0
+                if j1 > 29:
+                    j1 = 29
+                while j <= j1:
+                    dy = j * cell + half - y
+                    m = a1 * dy >> 10
+                    lo = m - b1
+                    hi = m + b1
+                    m = a2 * dy >> 10
+                    if m - b2 > lo:
+                        lo = m - b2
+                    if m + b2 < hi:
+                        hi = m + b2
+                    i0 = ((x + lo - half) * inverse >> 22) + 1
+                    i1 = (x + hi - half) * inverse >> 22
+                    if i0 < 0:
+                        i0 = 0
+                    if i1 > 29:
+                        i1 = 29
+                    if i0 <= i1:
+                        rows[t * 30 + j] = rows[t * 30 + j] | ((1 << (i1 + 1)) - (1 << i0))
+                    j += 1
+                t += 1
         k += 1
 
 
 @micropython.viper
-def _seed(cost: ptr16, queue: ptr16, queued: ptr8, ux: int, uy: int, state: ptr32):
-    """Rim cells are exits; those in the direction (ux, uy) * 2**10 are the cheapest."""
+def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32):
+    """Open poses on the rim are exits; those in the direction (ux, uy) * 2**10 are the cheapest."""
     tail = 0
-    i = 0
-    while i < 48:
+    t = 0
+    while t < 12:
         side = 0
         while side < 4:
-            if side == 0:
-                at = i
-                dx = i - 24
-                dy = -24
-            elif side == 1:
-                at = 47 * 48 + i
-                dx = i - 24
-                dy = 24
-            elif side == 2:
-                at = i * 48
-                dx = -24
-                dy = i - 24
-            else:
-                at = i * 48 + 47
-                dx = 24
-                dy = i - 24
-            # 24 cells ahead 0, to the side 24 * 48, behind twice that: 3 times the way itself
-            c = ((36 << 10) - dx * ux - dy * uy) * 48 >> 10
-            if c < 0:
-                c = 0
-            if c < cost[at]:
-                cost[at] = c
-                if queued[at] == 0:
-                    queued[at] = 1
+            i = 0
+            while i < 30:
+                if side == 0:
+                    x = i
+                    y = 0
+                elif side == 1:
+                    x = i
+                    y = 29
+                elif side == 2:
+                    x = 0
+                    y = i
+                else:
+                    x = 29
+                    y = i
+                at = (t * 30 + y) * 30 + x
+                if ((rows[t * 30 + y] >> x) & 1) == 0 and cost[at] == 32767:
+                    # 15 cells ahead least, behind 3 times the way there more
+                    c = ((23 << 10) - (x - 15) * ux - (y - 15) * uy) * 24 >> 10
+                    if c < 0:
+                        c = 0
+                    cost[at] = c | 0x8000
                     queue[tail] = at
                     tail += 1
+                i += 1
             side += 1
-        i += 1
+        t += 1
     state[0] = 0
     state[1] = tail
 
 
 @micropython.viper
-def _spread(cost: ptr16, weight: ptr8, queue: ptr16, queued: ptr8, state: ptr32, budget: int) -> int:
-    """Go on spreading for at most `budget` cells; returns 1 when the queue is empty."""
+def _spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, steps: ptr16, state: ptr32, budget: int) -> int:
+    """Go on spreading for at most `budget` poses; returns 1 when the queue is empty. Bit 15 of a cost: the pose is queued."""
     head = state[0]
     tail = state[1]
     done = 0
+    turn_cost = steps[96]
     while budget > 0:
         if head == tail:
             done = 1
             budget = 0
         else:
             at = queue[head]
-            head += 1
-            if head == 2304:
-                head = 0
-            queued[at] = 0
-            here = cost[at]
-            w = weight[at]
-            straight = here + 8 * w
-            slant = here + ((23 * w) >> 1)
-            j = at // 48
-            i = at - j * 48
-            b = 0 - 1
-            while b <= 1:
-                jj = j + b
-                if jj >= 0 and jj < 48:
-                    a = 0 - 1
-                    while a <= 1:
-                        ii = i + a
-                        if ii >= 0 and ii < 48:
-                            to = jj * 48 + ii
-                            c = slant
-                            if a == 0 or b == 0:
-                                c = straight
-                            if c < cost[to]:
-                                cost[to] = c
-                                if queued[to] == 0:
-                                    queued[to] = 1
-                                    queue[tail] = to
-                                    tail += 1
-                                    if tail == 2304:
-                                        tail = 0
-                        a += 1
-                b += 1
+            head = (head + 1) & 4095
+            here = cost[at] & 0x7FFF
+            cost[at] = here
+            t = at // 900
+            place = at - t * 900
+            j = place // 30
+            i = place - j * 30
+            w = weight[place]
+            base = t * 30
+            d = 0
+            while d < 10:
+                to = 0 - 1
+                c = 0
+                if d < 8:
+                    ii = i
+                    jj = j
+                    if d < 3:
+                        jj = j + 1
+                    elif d > 4:
+                        jj = j - 1
+                    if d == 0 or d == 3 or d == 5:
+                        ii = i - 1
+                    elif d == 2 or d == 4 or d == 7:
+                        ii = i + 1
+                    if ii >= 0 and jj >= 0 and ii < 30 and jj < 30:
+                        if ((rows[base + jj] >> ii) & 1) == 0:
+                            to = (base + jj) * 30 + ii
+                            c = (steps[t * 8 + d] * w) >> 1
+                            if (tight[base + jj] >> ii) & 1:
+                                c += 3 * c
+                            c += here
+                else:
+                    tt = t + 1
+                    if d == 9:
+                        tt = t + 11
+                    if tt >= 12:
+                        tt -= 12
+                    if ((rows[tt * 30 + j] >> i) & 1) == 0:
+                        to = tt * 900 + place
+                        c = turn_cost
+                        if (tight[tt * 30 + j] >> i) & 1:
+                            c += 3 * turn_cost
+                        c += here
+                if to >= 0:
+                    old = cost[to]
+                    if c < (old & 0x7FFF):
+                        if old & 0x8000:
+                            cost[to] = c | 0x8000
+                        else:
+                            following = (tail + 1) & 4095
+                            if following != head:
+                                cost[to] = c | 0x8000
+                                queue[tail] = to
+                                tail = following
+                d += 1
             budget -= 1
     state[0] = head
     state[1] = tail
@@ -200,12 +241,30 @@ def _spread(cost: ptr16, weight: ptr8, queue: ptr16, queued: ptr8, state: ptr32,
 
 
 @micropython.viper
-def _sample(cost: ptr16, x: int, y: int, cell: int) -> int:
-    """Cost at (x, y) 1/8 mm from the grid's corner, bilinear between cell centres."""
+def _finish(cost: ptr16, use: ptr8, base: int):
+    """Copy the costs to bytes in half units from base; 255 where there is no way."""
+    i = 0
+    while i < 10800:
+        c = cost[i]
+        if c == 32767:
+            use[i] = 255
+        else:
+            c = (c - base) >> 1
+            if c < 0:
+                c = 0
+            if c > 254:
+                c = 254
+            use[i] = c
+        i += 1
+
+
+@micropython.viper
+def _sample(use: ptr8, x: int, y: int, heading: int, cell: int, unit: int) -> int:
+    """Cost at a pose, mm: trilinear between grid poses. x, y from the grid's corner (1/8 mm), heading in 0.1 deg, any int."""
     half = cell >> 1
     x -= half
     y -= half
-    limit = cell * 47 - 1
+    limit = cell * 29 - 1
     if x < 0:
         x = 0
     if y < 0:
@@ -216,21 +275,54 @@ def _sample(cost: ptr16, x: int, y: int, cell: int) -> int:
         y = limit
     i = x // cell
     j = y // cell
-    fx = ((x - i * cell) << 8) // cell
-    fy = ((y - j * cell) << 8) // cell
-    at = j * 48 + i
-    low = cost[at] * (256 - fx) + cost[at + 1] * fx
-    high = cost[at + 48] * (256 - fx) + cost[at + 49] * fx
-    return ((low >> 8) * (256 - fy) + (high >> 8) * fy) >> 8
+    fx = ((x - i * cell) << 4) // cell
+    fy = ((y - j * cell) << 4) // cell
+    heading = heading % 1800
+    t = heading // 150
+    ft = ((heading - t * 150) << 4) // 150
+    least = 255
+    a = 0
+    while a < 8:
+        tt = t + (a >> 2)
+        if tt == 12:
+            tt = 0
+        v = use[(tt * 30 + j + ((a >> 1) & 1)) * 30 + i + (a & 1)]
+        if v < least:
+            least = v
+        a += 1
+    if least == 255:
+        return 20000
+    total = 0
+    a = 0
+    while a < 8:
+        tt = t + (a >> 2)
+        if tt == 12:
+            tt = 0
+        v = use[(tt * 30 + j + ((a >> 1) & 1)) * 30 + i + (a & 1)]
+        if v == 255:
+            v = least + 24  # closed: a little dearer than the best pose round about
+        wt = 16 - ft
+        if a >> 2:
+            wt = ft
+        if (a >> 1) & 1:
+            wt = wt * fy
+        else:
+            wt = wt * (16 - fy)
+        if a & 1:
+            wt = wt * fx
+        else:
+            wt = wt * (16 - fx)
+        total += v * wt
+        a += 1
+    return ((total >> 4) * unit) >> 16
 
 
 @micropython.viper
-def score_ends(cost: ptr16, ends: ptr16, free: ptr16, lengths: ptr16, score: ptr16, job: ptr32):
-    """What each travel of each candidate is worth: score[5 k + i] = travel + mean cost-to-leave of the two end discs, mm.
+def score_ends(use, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, score: ptr16, job: ptr32):
+    """What each travel of each candidate is worth: score[5 k + i] = travel + cost of the pose where it ends, mm.
 
-    65535 where the travel is longer than the candidate's free length.
-    job: x, y of the body in the grid (1/8 mm), sine, cosine (2**14, + 2**14), flip x, flip y (0/1), cell, first, last,
-    stride, mm per cost unit * 256
+    65535 where the travel is longer than the candidate's free length. job: x, y of the body in the grid (1/8 mm), sine,
+    cosine (2**14, + 2**14), flip x, flip y (0/1), cell, first, last, stride, unit, heading (0.1 deg)
     """
     x0 = job[0]
     y0 = job[1]
@@ -243,72 +335,81 @@ def score_ends(cost: ptr16, ends: ptr16, free: ptr16, lengths: ptr16, score: ptr
     last = job[8]
     stride = job[9]
     unit = job[10]
-    half = cell >> 1
-    limit = cell * 47 - 1
+    heading = job[11]
     while k < last:
         i = 0
         while i < 5:
             value = 65535
+            at = k * 5 + i
             if lengths[i] <= free[k]:
-                t = (k * 5 + i) * 4
-                total = 0
-                e = 0
-                while e < 4:
-                    px = ends[t + e] - 8192
-                    py = ends[t + e + 1] - 8192
-                    if flip_x:
-                        px = 0 - px
-                    if flip_y:
-                        py = 0 - py
-                    x = x0 + ((px * c + py * s) >> 11) - half
-                    y = y0 + ((py * c - px * s) >> 11) - half
-                    if x < 0:
-                        x = 0
-                    if y < 0:
-                        y = 0
-                    if x > limit:
-                        x = limit
-                    if y > limit:
-                        y = limit
-                    ix = x // cell
-                    iy = y // cell
-                    fx = ((x - ix * cell) << 8) // cell
-                    fy = ((y - iy * cell) << 8) // cell
-                    at = iy * 48 + ix
-                    low = cost[at] * (256 - fx) + cost[at + 1] * fx
-                    high = cost[at + 48] * (256 - fx) + cost[at + 49] * fx
-                    total += ((low >> 8) * (256 - fy) + (high >> 8) * fy) >> 8
-                    e += 2
-                value = lengths[i] + ((total * unit) >> 9)
-                if value > 65534:
-                    value = 65534
-            score[k * 5 + i] = value
+                px = ends[2 * at] - 8192
+                py = ends[2 * at + 1] - 8192
+                turn = (turns[at] ^ 0x8000) - 0x8000
+                if flip_x:
+                    px = 0 - px
+                    turn = 0 - turn
+                if flip_y:
+                    py = 0 - py
+                    turn = 0 - turn
+                value = lengths[i] + int(_sample(use, x0 + ((px * c + py * s) >> 11), y0 + ((py * c - px * s) >> 11), heading + turn, cell, unit))
+            score[at] = value
             i += 1
         k += stride
 
 
+def _shape(half_width, half_length):
+    """For each orientation the slopes and offsets of the outline's edges, a row of the grid at a time; see _close()."""
+    shape = array("i", [0] * 72)
+    far = 1 << 20
+    for t in range(TURNS):
+        s = sin(t * pi / TURNS)
+        c = cos(t * pi / TURNS)
+        b = t * 5
+        shape[b] = 65536 + (round(1024 * s / c) if t != TURNS // 2 else 0)
+        shape[b + 1] = int(half_width / abs(c)) if t != TURNS // 2 else far
+        shape[b + 2] = 65536 + (round(-1024 * c / s) if t else 0)
+        shape[b + 3] = int(half_length / s) if t else far
+        shape[b + 4] = half_length + half_width
+        shape[60 + t] = int(half_length * abs(c) + half_width * s)
+    return shape
+
+
 class Field:
-    """Cost-to-leave round the robot. `ready` once a first field exists; `work()` renews it slice by slice."""
+    """Cost of leaving, by pose. `ready` once a first field exists; `work()` renews it slice by slice."""
 
     def __init__(self, config):
         length = config.robot_length
-        self.cell = length * 8 // 15  # 1/8 mm
-        self.unit = self.cell * 256 // (8 * STEP)  # mm per cost unit, * 256
-        self._hard = config.robot_width * 4  # half the width, 1/8 mm
-        self._wide = self._hard + self.cell * 3 // 2
-        self._trail_radius = config.robot_width * 4 + self.cell // 2
-        self._weight = bytearray(CELLS)
-        self._queued = bytearray(CELLS)
-        self._queue = array("H", bytes(2 * CELLS))
-        self._next = array("H", bytes(2 * CELLS))
-        self.cost = array("H", bytes(2 * CELLS))
+        width = config.robot_width
+        self.cell = length * 8 // 12  # 1/8 mm
+        self.unit = self.cell * 4  # a byte of the field is cell / 8 long; see _sample for the rest
+        # Poses in which a point comes into the outline proper are dear; closed are only those in which it comes well into it, or
+        # narrow passages would close on the grid.
+        self._outline = _shape(width * 4 + 40, length * 4 + 40)
+        self._shape = _shape(width * 4 - self.cell * 3 // 10, length * 4 - self.cell * 6 // 10)
+        self._steps = array("H", [0] * 97)
+        for t in range(TURNS):
+            s = sin(t * pi / TURNS)
+            c = cos(t * pi / TURNS)
+            for d, (x, y) in enumerate(((-1, 1), (0, 1), (1, 1), (-1, 0), (1, 0), (-1, -1), (0, -1), (1, -1))):
+                r = (x * x + y * y) ** 0.5
+                across = (x * c - y * s) / r
+                # sideways costs half as much again: it is slow to set up
+                self._steps[t * 8 + d] = round(16 * r * (1 + 0.5 * across * across))
+        # a step of turning moves the ends of the body by length / 2 * pi / 12; two thirds of that
+        self._steps[96] = round(16 * (length / 2 * pi / TURNS) * 8 * 0.6 / self.cell)
+        self._trail_radius = width * 4 + self.cell // 2
+        self._weight = bytearray(PLACES)
+        self._rows = array("i", [0] * (N * TURNS))
+        self._tight = array("i", [0] * (N * TURNS))
+        self._queue = array("H", bytes(2 * QUEUE))
+        self._cost = array("H", bytes(2 * STATES))
+        self.use = bytearray(STATES)
         self._state = array("i", [0, 0])
         self._tx = array("H", bytes(2 * _TRAIL_POINTS))
         self._ty = array("H", bytes(2 * _TRAIL_POINTS))
         self._trail = 0  # points laid so far
         self._trail_step = length // 12
-        self._trail_gap = 10  # points behind the centre that are still under the body: 10/12 of its length
-        self._last_travel = 0
+        self._trail_gap = 10  # points behind the centre that are still under the body
         self._drift = length * 5 // 2  # mm over which the sense of direction forgets
         self.ux = 0  # direction of travel over the last few lengths, * 2**10
         self.uy = 1024
@@ -348,24 +449,34 @@ class Field:
 
     def work(self, odometry, points):
         """One slice of the next field. Returns True when a new field has just come into use."""
-        if self._stage == 0:
+        stage = self._stage
+        if stage == 0:
             half = self.cell * (N // 2)
             self._next_x = ((odometry.x >> 5) - half) & 0xFFFF
             self._next_y = ((odometry.y >> 5) - half) & 0xFFFF
-            _clear(self._weight, self._next, self._queued)
+            _clear(self._cost, self._rows, self._tight, self._weight)
             self._mark_trail()
             self._k = 0
             self._stage = 1
-        elif self._stage == 1:
-            last = self._k + 128
-            _obstacles(self._weight, points._fx, points._fy, points.count, self._next_x, self._next_y, self.cell,
-                       self._hard, self._wide, self._k, last)
+        elif stage == 1:
+            last = self._k + 70
+            if last > points.count:
+                last = points.count
+            _close(self._rows, points._fx, points._fy, self._k, last, self._next_x, self._next_y, self._shape, self.cell)
+            _close(self._tight, points._fx, points._fy, self._k, last, self._next_x, self._next_y, self._outline, self.cell)
             self._k = last
             if last >= points.count:
-                _seed(self._next, self._queue, self._queued, self.ux, self.uy, self._state)
+                _seed(self._cost, self._rows, self._queue, self.ux, self.uy, self._state)
                 self._stage = 2
-        elif _spread(self._next, self._weight, self._queue, self._queued, self._state, 800):
-            self.cost, self._next = self._next, self.cost
+        elif stage == 2:
+            if _spread(self._cost, self._rows, self._tight, self._weight, self._queue, self._steps, self._state, 1600):
+                self._stage = 3
+        else:
+            base = self._own_cost(odometry) - 256
+            if base < 0:
+                base = 0
+            self.base = base
+            _finish(self._cost, self.use, base)
             self.corner_x = self._next_x
             self.corner_y = self._next_y
             self._stage = 0
@@ -374,6 +485,23 @@ class Field:
             return True
         return False
 
+    def _own_cost(self, odometry):
+        """Least cost of the grid poses next to the robot's own."""
+        cell = self.cell
+        x = (((odometry.x >> 5) - self._next_x) & 0xFFFF) - cell // 2
+        y = (((odometry.y >> 5) - self._next_y) & 0xFFFF) - cell // 2
+        i = min(max(x // cell, 1), N - 3)
+        j = min(max(y // cell, 1), N - 3)
+        t = (odometry.heading // 100) % 1800 // 150
+        least = 32767
+        for a in range(2):
+            for b in range(-1, 3):
+                for c in range(-1, 3):
+                    v = self._cost[(((t + a) % TURNS) * N + j + b) * N + i + c]
+                    if v < least:
+                        least = v
+        return least if least < 32767 else 0
+
     def _mark_trail(self):
         """Ground covered makes dear ground, dearer each time; not what the body still stands on."""
         last = self._trail - self._trail_gap
@@ -381,7 +509,6 @@ class Field:
         if first < 0:
             first = 0
         r = self._trail_radius
-        r2 = r * r
         cell = self.cell
         size = cell * N
         i = first
@@ -390,11 +517,11 @@ class Field:
             x = ((self._tx[k] - self._next_x) & 0xFFFF ^ 0x8000) - 0x8000
             y = ((self._ty[k] - self._next_y) & 0xFFFF ^ 0x8000) - 0x8000
             if -r < x < size + r and -r < y < size + r:
-                _stamp(self._weight, x, y, r2, r, cell, _TRAIL, 1)
+                _cover(self._weight, x, y, r, cell, _TRAIL)
             i += 1
 
-    def at(self, x, y):
-        """Cost-to-leave at a floor position (1/8 mm mod 2**16), mm."""
+    def at(self, x, y, heading):
+        """Cost of a pose on the floor (1/8 mm mod 2**16, 0.1 deg), mm, relative to others of this field."""
         u = ((x - self.corner_x) & 0xFFFF ^ 0x8000) - 0x8000
         v = ((y - self.corner_y) & 0xFFFF ^ 0x8000) - 0x8000
-        return (_sample(self.cost, u, v, self.cell) * self.unit) >> 8
+        return _sample(self.use, u, v, heading, self.cell, self.unit)

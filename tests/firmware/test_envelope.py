@@ -5,7 +5,7 @@ from math import cos, sin
 
 from config import Config
 from envelope import (
-    BIAS, CAP, COUNT, FIRST, FIRST_STRIP, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, MARGIN, NEAR, STRIDE,
+    BAND, BIAS, CAP, COUNT, FIRST, FIRST_STRIP, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, MARGIN, NEAR, SOFT, STRIDE,
     Envelopes, sort_near, sweep_arcs, sweep_strips,
 )
 
@@ -24,7 +24,7 @@ def _sweep(points, env=_env):
     n = len(points)
     px = array("H", [p[0] + BIAS for p in points])
     py = array("H", [p[1] + BIAS for p in points])
-    near = sort_near(px, py, n, env.half_width, env.half_length, env.margin + 12)
+    near = sort_near(px, py, n, env.half_width, env.half_length, env.soft + 12)
     free = array("H", bytes(2 * env.count))
     soft = array("H", bytes(2 * env.count))
     block = array("H", bytes(2 * env.count))
@@ -36,6 +36,8 @@ def _sweep(points, env=_env):
     job[MARGIN] = env.margin
     job[CAP] = env.look_ahead
     job[STRIDE] = 1
+    job[SOFT] = env.soft
+    job[BAND] = 12
     job[FIRST_STRIP] = env.arcs
     job[LAST] = env.arcs
     sweep_arcs(px, py, job, env.consts, env.table, free, soft, block)
