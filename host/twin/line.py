@@ -3,24 +3,25 @@
 from collections import deque
 from math import ceil
 
-BYTES_PER_SECOND = 23040  # 230400 baud, ten bits a byte
+BITS = 10  # of a byte on the wire
 
 
 class Line:
     """Bytes on their way, in order.
 
-    One batch follows another no sooner than the line is free.
+    baud: bits a second. One batch follows another no sooner than the line is free.
     """
 
-    def __init__(self):
+    def __init__(self, baud):
+        self._byte_us = BITS * 1e6 / baud
         self._batches = deque()
         self._free = 0.0
 
     def send(self, time, data):
         """Put bytes on the line at the time, us, or when it is free."""
         begin = max(time, self._free)
-        self._free = begin + len(data) * 1e6 / BYTES_PER_SECOND
-        self._batches.append((ceil(begin + 1e6 / BYTES_PER_SECOND), data))
+        self._free = begin + len(data) * self._byte_us
+        self._batches.append((ceil(begin + self._byte_us), data))
 
     def first_arrival(self):
         """Time at which the first byte under way arrives, us; None when nothing is under way."""

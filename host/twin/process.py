@@ -15,7 +15,7 @@ from . import image
 ENGINES = ("micropython", "cpython")
 ADVANCE, READ, FLUSH, RESET = 1, 2, 3, 4
 I2C_WRITE, PIN, PWM_DUTY, PWM_FREQUENCY, UART_OUTPUT = 1, 2, 3, 4, 5
-REPLY, PAYLOAD, CHUNKS = 1024, 160, 4
+REPLY, PAYLOAD, CHUNKS = 1024, 176, 4
 HEAP = "400k"  # far more than the board has: pointers are twice as long here, and the images of the modules lie in it
 SILENCE_S = 20.0
 
@@ -69,6 +69,7 @@ class Process:
         finally:
             os.close(to_board)
             os.close(from_board)
+        os.set_blocking(self._child.stdin.fileno(), False)
         self._poll = select.poll()
         self._readers = {}
         for descriptor, reader in (
@@ -97,10 +98,10 @@ class Process:
         return Request(kind, address, size, now, target, tuple(probe), overflows, list(_events(data)))
 
     def answer(self, horizon, levels, addresses, adc, chunks=(), payload=b""):
-        """Answer the request. chunks: [(time of the first byte, bytes, GPIO)]."""
+        """Answer the request. chunks: [(time of the first byte, bytes, GPIO, baud rate)]."""
         words = [horizon, levels, _mask(addresses, 0), _mask(addresses, 60), adc, len(chunks)]
-        for time, data, gpio in chunks:
-            words += (time, len(data), gpio)
+        for time, data, gpio, baud in chunks:
+            words += (time, len(data), gpio, baud)
             payload += data
         head = struct.pack(f"<{len(words)}q", *words)
         try:
@@ -109,10 +110,10 @@ class Process:
             pass  # the next receive says why
 
     def send_serial(self, data):
-        """Bytes to the board's USB serial line."""
+        """Bytes to the board's USB serial line; what a board that does not read has no room for is lost."""
         try:
             os.write(self._child.stdin.fileno(), data)
-        except BrokenPipeError:
+        except (BrokenPipeError, BlockingIOError):
             pass
 
     def close(self):

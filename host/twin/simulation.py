@@ -16,7 +16,6 @@ STEP_US = 10_000.0
 LIMIT_US = 60e6
 STUCK_US = 10e6  # held by a wall for so long: the run is over
 ROOM = process.REPLY - process.PAYLOAD
-CHUNKS = 4
 
 PASS, LOCAL_COLLISION, BLOCKED, TIMEOUT = "pass", "local_collision", "blocked", "timeout"
 
@@ -52,7 +51,7 @@ class Simulation:
         streams = np.random.SeedSequence([seed, 0x67]).spawn(3)
         start, robot, noise = (np.random.default_rng(stream) for stream in streams)
         self.course = course
-        self._vehicle = vehicle
+        self._lidar_wire = vehicle.lidar.rx, vehicle.lidar.baud
         self._watch = watch
         world = World(course.segments)
         self.body = Body(vehicle, robot, perturbed(course.start, start) if seed else course.start)
@@ -60,7 +59,7 @@ class Simulation:
         self.electronics = Electronics(vehicle, self.body, self.lidar)
         self.contact = Contact(world, self.body, vehicle.width / 2, vehicle.length / 2)
         self.now = 0
-        self._line = Line()
+        self._line = Line(vehicle.lidar.baud)
         self.decisions = []
         self.overflows = 0
         self.result = None
@@ -91,11 +90,11 @@ class Simulation:
             self._end(BLOCKED, "the firmware reset the board")
         if request.kind != process.ADVANCE:
             return 0, *inputs
-        batches = self._line.take(request.target, CHUNKS, ROOM)
-        rx = self._vehicle.lidar.rx
+        batches = self._line.take(request.target, process.CHUNKS, ROOM)
+        wire = self._lidar_wire
         for time, data in batches:
             self._watch.lidar(time, data)
-        return self._horizon(), *inputs, [(time, data, rx) for time, data in batches]
+        return self._horizon(), *inputs, [(time, data, *wire) for time, data in batches]
 
     def stop(self, result, reason):
         """End the run from outside."""

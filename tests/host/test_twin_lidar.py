@@ -6,7 +6,7 @@ from lds2d.drivers.threeirobotix_delta_2a import decode_delta
 
 from host.twin import courses
 from host.twin.delta2b import Delta2B, check, fault, frame
-from host.twin.line import BYTES_PER_SECOND, Line
+from host.twin.line import Line
 from host.twin.vehicle import Vehicle
 from host.twin.world import World
 
@@ -126,18 +126,18 @@ def test_offset_and_mirror_of_the_mounting():
 
 
 def test_bytes_take_their_time_on_the_line():
-    line = Line()
+    line = Line(230400)
     line.send(1000, b"a" * 100)
     line.send(2000, b"b" * 10)  # the line is busy until 5340
     (first, a), (second, b) = line.take(1e6, 4, 1000)
-    assert first == pytest.approx(1000 + 1e6 / BYTES_PER_SECOND, abs=1)
-    assert second == pytest.approx(1000 + 101e6 / BYTES_PER_SECOND, abs=1)
+    assert first == pytest.approx(1000 + 10e6 / 230400, abs=1)
+    assert second == pytest.approx(1000 + 101 * 10e6 / 230400, abs=1)
     assert (len(a), len(b)) == (100, 10)
     assert line.first_arrival() is None
 
 
 def test_a_line_hands_out_no_more_than_there_is_room_for():
-    line = Line()
+    line = Line(230400)
     for _ in range(6):
         line.send(0, b"x" * 300)
     assert [len(data) for _, data in line.take(1e6, 4, 700)] == [300, 300]

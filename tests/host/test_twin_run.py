@@ -95,6 +95,9 @@ heap_unlock()
 seen["total"] = total
 seen["longest"] = longest
 seen["rest"] = uart.readinto(buffer)
+slow = machine.UART(2, baudrate=115200, tx=17, rx=16, rxbuf=4096)
+time.sleep_ms(100)
+seen["wrong_baud"] = slow.any()
 machine.UART(1, tx=25, rx=26).write(b"hello")
 time.sleep_ms(20)
 print(json.dumps(seen))
@@ -120,6 +123,7 @@ def test_peripherals(board, engine):
     assert 2500 < seen["total"] < 4500
     assert seen["longest"] <= 17
     assert seen["rest"] is None
+    assert seen["wrong_baud"] == 0
     assert log.uart_bytes[0][1:] == (25, b"hello")
     assert result.reason == "the firmware's main.py came to its end (exit 0)"
 

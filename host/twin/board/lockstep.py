@@ -21,8 +21,8 @@ A request (firmware to twin, little-endian):
 The answer is REPLY bytes, always:
 
     words of 64 bits    0 horizon; 1 levels of the input pins, bit = GPIO; 2 and 3 I2C addresses that acknowledge (0..59, 60..119);
-                        4 ADC reading 0..65535; 5 number of chunks, up to 4; 6.. chunks of three: time at which the first byte has
-                        arrived, bytes, GPIO of rx
+                        4 ADC reading 0..65535; 5 number of chunks, up to 4; 6.. chunks of four: time at which the first byte has
+                        arrived, number of bytes, GPIO of rx, baud rate of the sender
     from byte PAYLOAD   bytes of the chunks one after another (of a READ: the bytes read)
 """
 
@@ -45,14 +45,15 @@ PWM_FREQUENCY = const(4)
 UART_OUTPUT = const(5)
 
 REPLY = const(1024)
-PAYLOAD = const(160)
+PAYLOAD = const(176)
 
 _HEADER = const(72)
 _EVENT = const(12)
 _REQUEST = const(3072)  # below the size a pipe takes in one piece
 _CHUNKS = const(4)
 _FIRST_CHUNK = const(6)
-_BYTES_PER_SECOND = const(23040)  # 230400 baud, ten bits a byte
+_CHUNK = const(4)
+_BITS = const(10)  # of a byte on the wire
 
 _MICROPYTHON = sys.implementation.name == "micropython"
 
@@ -93,7 +94,7 @@ def connect(read_descriptor, write_descriptor):
 
 
 def attach(gpio, receiver):
-    """`receiver.put(buffer, start, count)` gets the bytes that arrive on the pin."""
+    """`receiver.put(buffer, start, count)` gets the bytes that arrive on the pin at its `baudrate`."""
     deliver()
     _receivers[gpio] = receiver
 
@@ -121,15 +122,15 @@ def deliver():
         if taken < count:
             arrived = 0
             if now >= words[at]:
-                arrived = (now - words[at]) * _BYTES_PER_SECOND // 1000000 + 1
+                arrived = (now - words[at]) * words[at + 3] // (_BITS * 1000000) + 1
                 if arrived > count:
                     arrived = count
             if arrived > taken:
-                _hand_over(words[at + 2], start + taken, arrived - taken)
+                _hand_over(at, start + taken, arrived - taken)
                 _taken[index] = arrived
         start += count
         index += 1
-        at += 3
+        at += _CHUNK
 
 
 def note(kind, where, value, data, count):
@@ -182,17 +183,17 @@ def _deliver_all():
         count = _reply[at + 1]
         taken = _taken[index]
         if taken < count:
-            _hand_over(_reply[at + 2], start + taken, count - taken)
+            _hand_over(at, start + taken, count - taken)
         _taken[index] = 0
         start += count
         index += 1
-        at += 3
+        at += _CHUNK
     _reply[5] = 0
 
 
-def _hand_over(gpio, start, count):
-    receiver = _receivers[gpio]
-    if receiver is not None:
+def _hand_over(chunk, start, count):
+    receiver = _receivers[_reply[chunk + 2]]
+    if receiver is not None and receiver.baudrate == _reply[chunk + 3]:  # at another speed it is noise, which nobody takes for frames
         receiver.put(_reply, start, count)
 
 
