@@ -20,6 +20,7 @@ class Delta2B:
 
     mount: `vehicle.Lidar`. world: World. random: Generator. version: 1 = 16-bit sum as check, 0 = CRC-16.
 
+    unplugged: for a Watch to set: it turns and measures, but nothing arrives.
     due: time (us) at which the next frame, of either kind, has been measured.
     """
 
@@ -30,6 +31,7 @@ class Delta2B:
         self._version = version
         self._rate = mount.speed * mount.frames * POINTS
         self._gain = 1 + random.normal(0, 0.02)
+        self.unplugged = False
         self._sector = 0
         self._since = 0.0
         self._target = 0.0

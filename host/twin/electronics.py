@@ -12,6 +12,7 @@ NEVER = float("inf")
 class Electronics:
     """Three PCA9685 chips, the output-enable pin, the lidar's motor driver and the inputs.
 
+    stop_pressed, battery_volts, chips: for a Watch to change; a chip taken out of `chips` no longer answers.
     latch: time (us) at which the servos answer to changed pulses, NEVER while nothing has changed.
     """
 
@@ -66,6 +67,12 @@ class Electronics:
     def i2c_read(self, address, count):
         """Bytes that a chip sends."""
         return self.chips[address].read(count)
+
+    def brown_out(self, time, address):
+        """A chip loses its supply for a moment, and with it its registers."""
+        self.chips[address].reset()
+        self._await_pulse(time)
+        self._drive()
 
     def pin(self, time, gpio, level):
         """An output pin changed."""

@@ -134,7 +134,9 @@ class Simulation:
         if end == self.electronics.latch:
             self.electronics.take_pulses()
         if end == self.lidar.due:
-            self._line.send(end + DELAY_US, self.lidar.take(body.poses_at))
+            data = self.lidar.take(body.poses_at)
+            if not self.lidar.unplugged:
+                self._line.send(end + DELAY_US, data)
         if self.course.through(body.x, body.y):
             self._end(LOCAL_COLLISION if contact.touches else PASS)
         elif contact.held_us > STUCK_US:

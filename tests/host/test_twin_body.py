@@ -156,6 +156,21 @@ def test_output_enable_stops_motors_and_lets_servos_be():
     assert degrees(robot.body.angles[0]) == pytest.approx(20, abs=0.3)
 
 
+def test_a_chip_that_browns_out_stops_its_motors():
+    robot = Robot()
+    robot.drive([0] * 10, [0.2] * 10)
+    robot.electronics.brown_out(robot.body.now, 0x41)
+    robot.wait(1.0)
+    assert not robot.body.speed_targets[0::2].any() and robot.body.speed_targets[1::2].all()
+
+
+def test_any_number_of_axles():
+    robot = Robot({"robot": {"length": 500}, "axles": {"spacings": [200, 150], "track": 200}})
+    x, y, heading = robot.drive([45] * 6, [0.2] * 6)
+    assert degrees(atan2(x, y)) == pytest.approx(45, abs=0.3)
+    assert hypot(x, y) == pytest.approx(rolled(1.0), rel=0.005)
+
+
 def test_both_inputs_high_brake():
     robot = Robot()
     for axle in range(5):

@@ -197,6 +197,16 @@ for _ in range(3):
     assert lines[1:4] == ["1 [64, 65, 66] 2000", "0 [64, 65, 66] 2000", "0 [64, 66] 2000"]
 
 
+def test_an_unplugged_lidar_is_silent(board):
+    class Cut(Log):
+        def step(self, simulation):
+            simulation.lidar.unplugged = simulation.now > 1e6
+
+    source = "import machine, time\nm = machine.PWM(27, freq=20000, duty_u16=40000)\nwhile True:\n    time.sleep_ms(5)\n"
+    _, log = board(source, watch=Cut())
+    assert 0.9e6 < log.lidar_bytes[-1][0] < 1.1e6
+
+
 def test_what_the_firmware_finds_as_robot_json(board):
     source = "import json\nprint(json.dumps(json.load(open('robot.json'))))\n"
     _, log = board(source, mode="naws", changes={"windows.red": 25})
