@@ -70,7 +70,7 @@ class Drive:
     the wheels must have arrived from wherever they stood.
 
     af, ar          estimate of the steering now, 0.1 deg; `steering` is solved for it
-    v256            estimate of the speed of the fastest wheel now, V - 90 in 1/256
+    v256            estimate of the speed of the fastest wheel, V - 90 in 1/256, mean of the servo period that has begun
     turning         the robot stands, or is stopping, because its wheels have to swing
     aim             Steering of the angles the servos were told last
     unreachable     wheel the last command would turn beyond its servo's limits, or -1
@@ -105,7 +105,8 @@ class Drive:
         self._afs = array("h", bytes(2 * _HISTORY))
         self._ars = array("h", bytes(2 * _HISTORY))
         self._now = 0
-        self._speed = 0  # v256 in 1/256
+        self._speed = 0  # v256 in 1/256 at the end of the period that has begun
+        self._speed_before = 0  # at its beginning
         self._derive()
 
     @property
@@ -214,6 +215,9 @@ class Drive:
             elif _follow(self._positions, self.aim.angles, self._wheels, self._step) == 0:
                 self._swinging = False
                 self.turning = False
+                for k in range(_HISTORY):
+                    self._afs[k] = self.aim.af
+                    self._ars[k] = self.aim.ar
             return
         _follow(self._positions, self.aim.angles, self._wheels, self._step)
         self.turning = self._apart()
@@ -274,10 +278,13 @@ class Drive:
 
     def _estimate(self):
         """One servo period of the wheels' life."""
-        now = (self._now + 1) & (_HISTORY - 1)
+        before = self._now
+        now = (before + 1) & (_HISTORY - 1)
         self._now = now
-        self._afs[now] = self.aim.af
-        self._ars[now] = self.aim.ar
+        # Swinging wheels have no common centre; the little that the robot still rolls, it rolls mostly as it was steered before.
+        self._afs[now] = self._afs[before] if self._swinging else self.aim.af
+        self._ars[now] = self._ars[before] if self._swinging else self.aim.ar
+        self._speed_before = self._speed
         self._speed += (((self._set_v256 << 8) - self._speed) >> 4) * self._gain256 >> 4
 
     def _publish(self):
@@ -286,6 +293,6 @@ class Drive:
         f = self._latency256
         self.af = (self._afs[late] * (256 - f) + self._afs[later] * f + 128) >> 8
         self.ar = (self._ars[late] * (256 - f) + self._ars[later] * f + 128) >> 8
-        self.v256 = (self._speed + 128) >> 8
+        self.v256 = (self._speed_before + self._speed + 256) >> 9  # the mean of the period that begins now
         if self.af != self.steering.af or self.ar != self.steering.ar:
             self.steering.solve(self.af, self.ar)

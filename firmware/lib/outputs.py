@@ -67,7 +67,8 @@ class Outputs:
 
     def __init__(self, servo_chip, motor_left, motor_right, output_enable, config):
         self._enable = output_enable
-        self._disable_outputs()
+        self._enabled = None
+        self._set_enabled(False)
         self.ok = False
         self.fault = ""
         self.restarts = 0
@@ -88,7 +89,7 @@ class Outputs:
 
     def begin(self):
         """Set all chips up, every output still off. True if all answered."""
-        self._disable_outputs()
+        self._set_enabled(False)
         try:
             for chip in self._chips:
                 chip.start()
@@ -121,8 +122,7 @@ class Outputs:
         except OSError as error:
             self._fail(error)
             return False
-        if self._enable is not None:
-            self._enable.value(0)
+        self._set_enabled(True)
         return True
 
     def motors_off(self):
@@ -138,7 +138,7 @@ class Outputs:
 
     def off(self):
         """Everything off, for good: the servos let go."""
-        self._disable_outputs()
+        self._set_enabled(False)
         for chip in self._chips:
             try:
                 chip.deinit()
@@ -180,7 +180,7 @@ class Outputs:
         self.ok = False
         self.fault = error.args[0]
         self._tick = 0
-        self._disable_outputs()
+        self._set_enabled(False)
         # Where output enable is not wired, the chips that still answer can at least be told.
         for k in range(1, 3):
             _clear(self._counts[k])
@@ -190,9 +190,11 @@ class Outputs:
             except OSError:
                 pass
 
-    def _disable_outputs(self):
-        if self._enable is not None:
-            self._enable.value(1)
+    def _set_enabled(self, enabled):
+        if enabled != self._enabled:
+            self._enabled = enabled
+            if self._enable is not None:
+                self._enable.value(0 if enabled else 1)
 
 
 def _clear(counts):

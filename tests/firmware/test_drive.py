@@ -1,5 +1,6 @@
 """drive.py and outputs.py, seen at the registers of the chips."""
 
+from math import exp
 from time import ticks_add
 
 import micropython
@@ -297,12 +298,9 @@ def test_estimate_follows_with_latency_and_time_constant():
     assert drive.af == 0
     robot.step()
     assert drive.af == 40 and drive.steering.af == 40
-    # full at once: after one time constant 63 %
-    speeds = [drive.v256]
-    for _ in range(8):
+    for period in range(3, 12):
         robot.step()
-        speeds.append(drive.v256)
-    assert abs(speeds[2] / 4608 - 0.63) < 0.03, speeds  # third to fifth period
+        assert abs(drive.v256 / 4608 - (1 - exp(-(period + 0.5) * 0.2))) < 0.02, (period, drive.v256)
     robot.step(60)
     assert abs(drive.v256 - 4608) <= 1
     robot.drive.stop()
