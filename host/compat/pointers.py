@@ -1,6 +1,6 @@
 """viper's pointer types for CPython: unsigned views of a buffer's memory."""
 
-_CODES = {"ptr8": "B", "ptr16": "H", "ptr32": "I"}
+_SIZES = {"B": 1, "H": 2, "I": 4}
 
 
 def _view(buffer, code):
@@ -9,8 +9,6 @@ def _view(buffer, code):
     view = memoryview(buffer).cast("B")
     return view if code == "B" else view[: len(view) // _SIZES[code] * _SIZES[code]].cast(code)
 
-
-_SIZES = {"B": 1, "H": 2, "I": 4}
 
 
 def ptr8(buffer):

@@ -1,7 +1,7 @@
 """Wheels and body: pulses and duties in, pose out.
 
-Each wheel's servo slews towards the angle of its last pulse and its motor follows its duty with a lag. The body moves with the twist that fits
-the velocities of all wheels best (least squares); what is left over is scrub, the speed at which the wheels drag sideways or slip.
+Each wheel's servo slews towards the angle of its last pulse and its motor follows its duty with a lag. The body moves with the twist
+that fits the velocities of all wheels best (least squares); what is left over is scrub, the speed at which the wheels drag or slip.
 """
 
 from math import exp, hypot, sqrt

@@ -23,8 +23,9 @@ RANDOM_SIZE = 1500.0, 2920.0
 class Course:
     """A course.
 
-    segments: (n, 4) walls and box sides, x1 y1 x2 y2. floor: (m, 2) corners of the ground between the walls. start: x, y, heading. goal: x, y, heading, half width: through when the centre is
-    beyond the point in the heading's direction and no further than the half width to its side. boxes: corners of each box, (m, 4, 2).
+    segments: (n, 4) walls and, behind them, the sides of the boxes, x1 y1 x2 y2. floor: (m, 2) corners of the ground between the walls.
+    start: x, y, heading. goal: x, y, heading, half width: through when the centre is beyond the point in the heading's direction and no
+    further than the half width to its side. boxes: corners of each box, (k, 4, 2).
     """
 
     name: str

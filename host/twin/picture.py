@@ -19,7 +19,12 @@ WALL, FLOOR, OUTSIDE, BOX = "#2b2d33", "#fbfaf7", "#e6e4dd", "#c9c5ba"
 FRONT, REAR, BODY, TOUCHED, STANDING = "#d1495b", "#1f6f8b", "#8d99ae", "#e8a400", "#2b2d33"
 EVERY_MM, EVERY_DEG = 120.0, 12.0  # motion from one body outline to the next
 SIZE = 8.0  # inches, the longer side
-WORDS = {"pass": "through without touching", "local_collision": "through, but touched", "blocked": "blocked", "timeout": "not through in time"}
+WORDS = {
+    "pass": "through without touching",
+    "local_collision": "through, but touched",
+    "blocked": "blocked",
+    "timeout": "not through in time",
+}
 
 
 def draw(result, path):

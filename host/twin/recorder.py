@@ -65,6 +65,9 @@ class Recorder(Watch):
     def registers(self, time, address, data):
         self._writer.write(Stream.REGISTERS, int(time), bytes((address,)) + data)
 
+    def read(self, time, address, data):
+        self._writer.write(Stream.READ, int(time), bytes((address,)) + data)
+
     def decision(self, decision):
         time, *fields = vars(decision).values()
         self._writer.write(Stream.DECISION, int(time), recording.Decision(*fields).pack())
@@ -122,6 +125,10 @@ class Several(Watch):
     def registers(self, time, address, data):
         for watch in self._watches:
             watch.registers(time, address, data)
+
+    def read(self, time, address, data):
+        for watch in self._watches:
+            watch.read(time, address, data)
 
     def decision(self, decision):
         for watch in self._watches:

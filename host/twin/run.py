@@ -22,8 +22,8 @@ MODES = ("aws", "naws")
 class Result:
     """What a run gave.
 
-    track: (n, 4) time s, x mm, y mm, heading deg (clockwise from +y), not more often than 100 a second. decisions: see
-    `simulation.Decision`. touches: (time s, x, y, heading deg) where each contact began. recording: file of the recording, if there is one.
+    track: (n, 4) time s, x mm, y mm, heading deg (clockwise from +y), not more often than 100 a second. log: the
+    decisions, see `simulation.Decision`. touches: (time s, x, y, heading deg) where each contact began. recording: file of the recording, if there is one.
     """
 
     course: str

@@ -85,7 +85,9 @@ class Simulation:
         self.now = request.target
         inputs = electronics.levels, electronics.addresses, electronics.battery_reading
         if request.kind == process.READ:
-            return 0, *inputs, (), electronics.i2c_read(request.address, request.size)
+            data = electronics.i2c_read(request.address, request.size)
+            self._watch.read(request.now, request.address, data)
+            return 0, *inputs, (), data
         if request.kind == process.RESET:
             self._end(BLOCKED, "the firmware reset the board")
         if request.kind != process.ADVANCE:
@@ -158,6 +160,9 @@ class Watch:
 
     def registers(self, time, address, data):
         """An I2C write that ended at the time."""
+
+    def read(self, time, address, data):
+        """An I2C read that ended at the time."""
 
     def decision(self, decision):
         """The firmware has a new decision."""

@@ -156,7 +156,8 @@ def test_a_reset_ends_the_run(board):
 
 
 def test_the_watchdog_bites(board):
-    result, _ = board("import machine, time\nw = machine.WDT(timeout=500)\nfor _ in range(9):\n    time.sleep_ms(100)\n    w.feed()\ntime.sleep(1)\n")
+    feeding = "for _ in range(9):\n    time.sleep_ms(100)\n    w.feed()\n"
+    result, _ = board("import machine, time\nw = machine.WDT(timeout=500)\n" + feeding + "time.sleep(1)\n")
     assert result.reason == "the firmware reset the board"
     assert result.time_s == pytest.approx(0.9, abs=0.02)
 

@@ -22,7 +22,8 @@ def test_a_ray_starts_where_it_is_sent_from():
 def outline(x, y, heading, half_width, half_length, step=0.5):
     """Points all round a rectangle."""
     corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) * (half_width, half_length)
-    points = np.concatenate([a + np.linspace(0, 1, int(np.hypot(*(b - a)) / step) + 1)[:, None] * (b - a) for a, b in zip(corners, corners[1:])])
+    sides = zip(corners, corners[1:])
+    points = np.concatenate([a + np.linspace(0, 1, int(np.hypot(*(b - a)) / step) + 1)[:, None] * (b - a) for a, b in sides])
     s, c = np.sin(heading), np.cos(heading)
     return points @ np.array([(c, -s), (s, c)]) + (x, y)
 
