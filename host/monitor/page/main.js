@@ -1,0 +1,191 @@
+// The page: hands every message to the parts that show it, and every wish to the robot.
+
+import { Charts } from "./charts.js";
+import { Dials } from "./dials.js";
+import { Hand } from "./drive.js";
+import { Health } from "./health.js";
+import { Live } from "./live.js";
+import { HeadUp } from "./map.js";
+import { Player } from "./player.js";
+import { Tune } from "./tune.js";
+import { World } from "./world.js";
+
+const get = (id) => document.getElementById(id);
+const SILENT_MS = 2000;
+
+// The latest message of each type, by its type; and the parameters.
+const state = {
+  parameters: {},
+  parameter(key, otherwise) {
+    return this.parameters[key]?.value ?? otherwise;
+  },
+};
+
+const map = new HeadUp(get("map"), state);
+const world = new World(get("world"), state);
+const charts = new Charts(get("charts"));
+const dials = new Dials(get("dials"));
+const health = new Health(get("health"), get("log"));
+const send = (command) => live.send(command);
+const player = new Player(send);
+const tune = new Tune(get("parameters"), get("trims"), send);
+const hand = new Hand(state, send, stop, auto);
+let heard = 0;
+let changed = true;
+
+const KEPT = ["hello", "names", "world", "health", "decision", "points", "wheels", "pose", "truth", "scan", "candidates", "playback"];
+
+const HEAR = {
+  connected(message) {
+    for (const kind of KEPT) delete state[kind];
+    state.parameters = {};
+    tune.clear();
+    world.clear();
+    charts.clear();
+    hand.release();
+    state.ended = null;
+    player.connected(message);
+    state.commands = message.commands;
+  },
+  jump() {
+    world.clear();
+    charts.clear();
+  },
+  hello(message) { document.title = `${message.robot} – Gapseeker`; },
+  decision(message) {
+    charts.note(message);
+    // Another page, the screen or the robot itself may have taken over.
+    if (message.state !== "manual" && hand.longActive()) hand.release();
+  },
+  wheels(message) {
+    dials.show(message);
+    tune.showTrims(message.angles.length);
+  },
+  truth(message) { world.note(message); },
+  pose(message) { world.note(message); },
+  health(message) { health.show(message, state.names?.faults); },
+  parameter(message) {
+    state.parameters[message.key] = message;
+    tune.show(message);
+  },
+  recording(message) { player.recording(message.path); },
+  playback(message) { player.playback(message); },
+  reply(message) { if (message.status !== "ok") health.say(`${message.command}: ${message.text || message.status}`); },
+  refused(message) { health.say(message.text); },
+  log(message) { health.say(message.text); },
+  text(message) { health.say(message.text); },
+  event(message) { health.say(message.text); },
+  ended(message) {
+    state.ended = message.text;
+    health.say(message.text);
+    hand.release();
+  },
+};
+
+const live = new Live((message) => {
+  if (KEPT.includes(message.type)) state[message.type] = message;
+  HEAR[message.type]?.(message);
+  heard = performance.now();
+  changed = true;
+}, () => {
+  hand.release();
+  state.lost = true;
+  changed = true;
+});
+
+function stop() {
+  hand.release();
+  send({ do: "drive", what: "stop" });
+}
+
+function auto() {
+  hand.release();
+  send({ do: "drive", what: "auto" });
+}
+
+function manual() {
+  hand.take();
+}
+
+get("stop").onclick = stop;
+get("auto").onclick = auto;
+get("manual").onclick = manual;
+get("keep").onclick = () => send({ do: "keep" });
+for (const id of ["scan", "candidates"]) {
+  get(id).onchange = () => {
+    if (!get(id).checked) delete state[id];
+    send({ do: "watch", scan: get("scan").checked, candidates: get("candidates").checked });
+  };
+}
+
+addEventListener("keydown", (event) => {
+  const writing = event.target.matches("input:not([type=range]):not([type=checkbox]), select");
+  // The space bar stops wherever the focus is: nothing here needs a space typed.
+  if (event.code === "Space") {
+    event.preventDefault();
+    if (!event.repeat) stop();
+  } else if (writing || event.ctrlKey || event.metaKey || event.altKey || !state.commands) {
+    return;
+  } else if (hand.key(event.code, true)) {
+    event.preventDefault();
+  } else if (event.code === "KeyA") {
+    auto();
+  } else if (event.code === "KeyM") {
+    manual();
+  } else if (/^Digit[1-5]$/.test(event.code)) {
+    hand.choose(Number(event.code.slice(5)) - 1);
+  }
+}, true);
+addEventListener("keyup", (event) => {
+  if (event.code === "Space") event.preventDefault();
+  hand.key(event.code, false);
+}, true);
+
+function words() {
+  const decision = state.decision;
+  const pill = get("state");
+  let name = decision?.state || "connecting", reason = "";
+  if (state.ended) {
+    name = "ended";
+    reason = state.ended;
+  } else if (!live.socket) {
+    name = "no monitor";
+    reason = "the monitor has been closed, or its network is gone";
+  } else if (state.commands && heard && performance.now() - heard > SILENT_MS) {
+    name = "silent";
+    reason = "nothing heard from the robot";
+  } else if (state.health?.fault) {
+    name = "fault";
+    reason = state.names?.faults?.[state.health.fault] || `fault ${state.health.fault}`;
+  } else if (decision) {
+    reason = decision.state === "auto" ? state.names?.reasons?.[decision.why] || "" : decision.state === "manual" ? "driven by hand" : "stopped by command";
+  }
+  pill.textContent = name;
+  pill.className = `pill ${name}`;
+  get("reason").textContent = reason;
+  get("manual").classList.toggle("on", hand.active);
+  if (decision) {
+    const speed = state.wheels ? Math.max(...state.wheels.speeds.map(Math.abs)) : 0;
+    get("numbers").textContent = `AF ${decision.af}° AR ${decision.ar}° V ${decision.v}, mode ${decision.mode}, free ${decision.free} mm, ${Math.round(speed)} mm/s`;
+  }
+  const place = state.truth || state.pose;
+  if (place) {
+    get("place").textContent = `x ${Math.round(place.x)} y ${Math.round(place.y)} mm, heading ${Math.round(place.heading)}°`
+      + (state.truth?.clearance != null ? `, clearance ${Math.round(state.truth.clearance)} mm` : "");
+  }
+}
+
+let drawn = 0;
+function draw() {
+  if (changed) {
+    changed = false;
+    map.draw();
+    world.draw();
+    charts.draw();
+    document.body.dataset.drawn = ++drawn;
+  }
+  words();
+  requestAnimationFrame(draw);
+}
+addEventListener("resize", () => { changed = true; });
+draw();

@@ -1,0 +1,180 @@
+// The map, head up: what the robot sees, what it means to do, and what stops it.
+
+import { COLOURS, line, polygon, prepare } from "./canvas.js";
+import { bodyOf, carry, corners, pose, sweep, twist, wheels, zones } from "./geometry.js";
+
+const NONE = "#7d8a96";
+
+export class HeadUp {
+  constructor(canvas, state) {
+    this.canvas = canvas;
+    this.state = state;
+  }
+
+  draw() {
+    const { pen, width, height } = prepare(this.canvas);
+    const { state } = this;
+    const body = bodyOf(state.hello);
+    const ahead = state.parameter("windows.look_ahead", 700);
+    // All that the planning window holds, whichever way it looks, and a little more.
+    const scale = Math.min(width / (2 * Math.max(body.width / 2 + 520, 600)), height / (body.length + 2 * ahead * 0.9));
+    pen.translate(width / 2, height / 2);
+    pen.scale(scale, -scale);
+    this.pixel = 1 / scale;
+
+    this.rings(pen);
+    this.margins(pen, body, ahead);
+    this.zones(pen, body);
+    this.rejected(pen, body, ahead);
+    this.envelope(pen, body, ahead);
+    this.points(pen);
+    this.body(pen, body);
+    this.block(pen);
+  }
+
+  rings(pen) {
+    pen.lineWidth = this.pixel;
+    pen.strokeStyle = "#252c32";
+    for (const radius of [500, 1000, 1500]) {
+      pen.beginPath();
+      pen.arc(0, 0, radius, 0, 2 * Math.PI);
+      pen.stroke();
+    }
+  }
+
+  margins(pen, body, ahead) {
+    const w = body.width / 2, l = body.length / 2;
+    const frame = (margin, colour) => {
+      pen.strokeStyle = colour;
+      pen.strokeRect(-w - margin, -l - margin, body.width + 2 * margin, body.length + 2 * margin);
+    };
+    pen.lineWidth = this.pixel;
+    frame(this.state.parameter("windows.red", 20), "#ff5a5255");
+    frame(this.state.parameter("windows.blue", 45), "#4d9dff55");
+    const side = this.state.parameter("windows.side", 300);
+    const back = (this.state.decision?.v ?? 90) < 90;
+    pen.setLineDash([8 * this.pixel, 6 * this.pixel]);
+    pen.strokeStyle = "#f4c54244";
+    pen.strokeRect(-w - side, back ? -l - ahead : -l, body.width + 2 * side, body.length + ahead);
+    pen.setLineDash([]);
+  }
+
+  zones(pen, body) {
+    const { decision } = this.state;
+    zones(body, Math.max(this.state.parameter("windows.blue", 45), 40)).forEach((zone, number) => {
+      const acts = decision && decision.zone === number;
+      pen.beginPath();
+      polygon(pen, zone);
+      pen.fillStyle = acts ? COLOURS[decision.window] + "aa" : "#ffffff06";
+      pen.fill();
+      pen.strokeStyle = "#ffffff14";
+      pen.stroke();
+    });
+  }
+
+  way(decision, ahead) {
+    if (!decision || decision.v === 90) return 0;
+    return (decision.v < 90 ? -1 : 1) * Math.min(Math.max(decision.free, 40), ahead);
+  }
+
+  envelope(pen, body, ahead) {
+    const { decision } = this.state;
+    const distance = this.way(decision, ahead);
+    if (!distance) return;
+    pen.beginPath();
+    for (const outline of sweep(body, decision.af, decision.ar, distance)) polygon(pen, outline);
+    pen.fillStyle = "#5ab0ff26";
+    pen.fill("nonzero");
+    // Tracks of the corners: paper A, equation 18, as corrected.
+    const t = twist(body, decision.af, decision.ar);
+    pen.lineWidth = 1.5 * this.pixel;
+    pen.strokeStyle = "#5ab0ffcc";
+    for (const corner of corners(body)) {
+      line(pen, Array.from({ length: 25 }, (_, i) => carry(corner, pose(t, distance * i / 24))));
+    }
+  }
+
+  rejected(pen, body, ahead) {
+    const { candidates } = this.state;
+    if (!candidates) return;
+    pen.lineWidth = this.pixel;
+    for (const one of candidates.list) {
+      if (one.chosen) continue;
+      const t = twist(body, one.af, one.ar);
+      const free = Math.min(Math.abs(one.free), ahead) * (one.free < 0 ? -1 : 1);
+      pen.strokeStyle = "#ff8a6544";
+      for (const corner of corners(body).slice(0, 2)) {
+        line(pen, Array.from({ length: 13 }, (_, i) => carry(corner, pose(t, free * i / 12))));
+      }
+      if (one.block) this.cross(pen, one.block, "#ff8a6588", 3);
+    }
+  }
+
+  points(pen) {
+    const { scan, points } = this.state;
+    const dot = (x, y, size) => pen.fillRect(x - size / 2, y - size / 2, size, size);
+    if (scan) {
+      pen.fillStyle = "#ffffff30";
+      scan.distances.forEach((distance, i) => {
+        if (!distance) return;
+        const bearing = scan.bearings[i] * Math.PI / 180;
+        dot(distance * Math.sin(bearing), distance * Math.cos(bearing), 3 * this.pixel);
+      });
+    }
+    if (!points) return;
+    points.x.forEach((x, i) => {
+      const kind = points.window[i];
+      pen.fillStyle = kind ? COLOURS[kind] : NONE + "66";
+      dot(x, points.y[i], (kind ? 5 : 3) * this.pixel);
+    });
+  }
+
+  body(pen, body) {
+    const w = body.width / 2, l = body.length / 2;
+    pen.fillStyle = "#262d33e6";
+    pen.strokeStyle = "#cfd8df";
+    pen.lineWidth = 2 * this.pixel;
+    pen.beginPath();
+    pen.roundRect(-w, -l, body.width, body.length, 20);
+    pen.fill();
+    pen.stroke();
+    pen.beginPath();
+    polygon(pen, [{ x: 0, y: l - 12 }, { x: -26, y: l - 52 }, { x: 26, y: l - 52 }]);
+    pen.fillStyle = "#cfd8df66";
+    pen.fill();
+    const now = this.state.wheels;
+    wheels(body).forEach((p, k) => {
+      const angle = now?.angles[k] ?? 0, speed = now?.speeds[k] ?? 0;
+      pen.save();
+      pen.translate(p.x, p.y);
+      pen.rotate(-angle * Math.PI / 180);
+      pen.fillStyle = Math.abs(speed) < 3 ? "#8c98a3" : speed > 0 ? "#3ecf6e" : "#ffb04d";
+      pen.beginPath();
+      pen.roundRect(-11, -30, 22, 60, 6);
+      pen.fill();
+      pen.restore();
+    });
+    const lidar = body.lidar || [0, 0];
+    pen.beginPath();
+    pen.arc(lidar[0], lidar[1], 22, 0, 2 * Math.PI);
+    pen.fillStyle = this.state.health?.lidar_ok === false ? "#ff5a52" : "#5ab0ff";
+    pen.fill();
+  }
+
+  block(pen) {
+    const block = this.state.decision?.block;
+    if (!block) return;
+    this.cross(pen, block, "#ff5a52", 7);
+    pen.beginPath();
+    pen.arc(block[0], block[1], 11 * this.pixel, 0, 2 * Math.PI);
+    pen.stroke();
+  }
+
+  cross(pen, [x, y], colour, size) {
+    const d = size * this.pixel;
+    pen.strokeStyle = colour;
+    pen.lineWidth = 2 * this.pixel;
+    line(pen, [{ x: x - d, y: y - d }, { x: x + d, y: y + d }]);
+    line(pen, [{ x: x - d, y: y + d }, { x: x + d, y: y - d }]);
+  }
+}

@@ -1,0 +1,78 @@
+// Every live parameter with its unit, range and meaning; servo trims, with the wheel turning as one drags.
+
+const SETTLE_MS = 120;
+
+export class Tune {
+  constructor(box, trims, send) {
+    Object.assign(this, { box, trims, send });
+    this.rows = {};
+    this.timers = {};
+    this.wheels = 0;
+  }
+
+  clear() {
+    this.box.replaceChildren();
+    this.trims.replaceChildren();
+    this.rows = {};
+    this.wheels = 0;
+  }
+
+  show(parameter) {
+    const row = this.rows[parameter.key] || (this.rows[parameter.key] = this.build(parameter, this.box));
+    row.set(parameter.value);
+    row.box.classList.toggle("changed", parameter.value !== parameter.default);
+  }
+
+  // One slider for each wheel; the value starts from 0 because the robot tells live parameters only.
+  showTrims(count) {
+    if (this.wheels === count) return;
+    this.wheels = count;
+    this.trims.replaceChildren();
+    for (let k = 0; k < count; k++) {
+      this.build({
+        key: `servos.trims.${k}`, value: 0, default: 0, low: -20, high: 20, unit: "deg",
+        meaning: `axle ${(k >> 1) + 1} ${k & 1 ? "right" : "left"}`,
+      }, this.trims);
+    }
+  }
+
+  build({ key, low, high, unit, meaning, value }, parent) {
+    const box = document.createElement("div");
+    box.className = "parameter";
+    const label = document.createElement("label");
+    label.textContent = key;
+    const more = document.createElement("small");
+    more.textContent = `${meaning} (${low} to ${high}${unit ? " " + unit : ""})`;
+    label.append(more);
+    const number = document.createElement("input");
+    const slider = document.createElement("input");
+    number.type = "number";
+    slider.type = "range";
+    number.id = `parameter-${key}`;
+    label.htmlFor = number.id;
+    slider.setAttribute("aria-label", key);
+    for (const input of [number, slider]) {
+      Object.assign(input, { min: low, max: high, step: 1, value });
+      input.oninput = () => {
+        if (input.value === "" || !input.checkValidity()) return;
+        number.value = slider.value = input.value;
+        this.tune(key, Number(input.value));
+      };
+    }
+    box.append(label, number, slider);
+    parent.append(box);
+    const set = (value) => {
+      if (document.activeElement !== number && document.activeElement !== slider) number.value = slider.value = value;
+    };
+    return { box, set };
+  }
+
+  // A slider makes dozens of values a second; the robot gets the last of each moment.
+  tune(key, value) {
+    clearTimeout(this.timers[key]);
+    this.timers[key] = setTimeout(() => {
+      this.send({ do: "tune", key, value });
+      this.send({ do: "list" });
+    }, SETTLE_MS);
+  }
+}

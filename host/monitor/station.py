@@ -1,0 +1,174 @@
+"""Between a link and whoever looks on: keeps the latest of everything, for those who come later, and records."""
+
+import threading
+import time
+from pathlib import Path
+
+from host import recording
+from host.link import AddressError, LinkError, connect
+from host.link.base import Link
+from host.recording import Stream
+
+LATEST = ("hello", "names", "world", "health", "decision", "points", "wheels", "pose", "truth", "scan", "candidates", "playback", "ended")
+
+
+class Station:
+    """One robot watched by any number of listeners.
+
+    listeners: callables that take a message; called from the link's thread.
+    """
+
+    def __init__(self, address: str, record: str | None = None):
+        self.listeners: list = []
+        self.address = address
+        self._record_next = record
+        self._latest: dict = {}
+        self._parameters: dict = {}
+        self._recorder: _Recorder | None = None
+        self._lock = threading.Lock()
+        self.link: Link | None = None
+        self.open(address)
+
+    def open(self, address: str) -> None:
+        """Let go of the robot there is, and connect to another. Raises AddressError or LinkError, and keeps the old one then."""
+        record, self._record_next = self._record_next, None
+        # The twin writes a recording that can be replayed; of another robot only what went over the link can be recorded.
+        twin = address.startswith("twin:")
+        link = connect(address + (("&" if "?" in address else "?") + f"record={record}" if twin and record else ""))
+        self.close()
+        self.address = address
+        self._latest.clear()
+        self._parameters.clear()
+        self.link = link
+        if record and not twin:
+            self.record(record)
+        threading.Thread(target=self._pump, args=(link,), daemon=True).start()
+        self._tell({"type": "connected", "address": address, "commands": link.commands, "recording": self.recording})
+        if link.commands:
+            link.list()
+
+    def close(self) -> None:
+        """Close the link and a recording that is under way."""
+        self.stop_recording()
+        if self.link is not None:
+            self.link.close()
+            self.link = None
+
+    def known(self) -> list[dict]:
+        """What a newcomer has to be told to see what the others see."""
+        with self._lock:
+            first = {"type": "connected", "address": self.address, "commands": bool(self.link and self.link.commands), "recording": self.recording}
+            return [first, *(self._latest[kind] for kind in LATEST if kind in self._latest), *self._parameters.values()]
+
+    @property
+    def recording(self) -> str | None:
+        """Path of the recording under way."""
+        return str(self._recorder.path) if self._recorder else None
+
+    def record(self, path: str | None = None) -> None:
+        """Record what goes over the link from now on. Raises RecordingError."""
+        self.stop_recording()
+        path = path or time.strftime("recordings/%Y%m%d-%H%M%S.rec")
+        with self._lock:
+            known = dict(self._latest)
+        self._recorder = _Recorder(path, self.link, self.address, known)
+        self._tell({"type": "recording", "path": self.recording})
+
+    def stop_recording(self) -> None:
+        if self._recorder:
+            self._recorder.close()
+            self._recorder = None
+            self._tell({"type": "recording", "path": None})
+
+    def command(self, what: dict) -> None:
+        """Carry out what a page asks: {"do": ..., ...}. Raises ValueError with a text for the person."""
+        link = self.link
+        do = what.get("do")
+        try:
+            if do == "open":
+                self.open(str(what["address"]))
+            elif do == "again":
+                self.open(self.address)
+            elif do == "record":
+                self.record(what.get("path"))
+            elif do == "end_recording":
+                self.stop_recording()
+            elif do == "play" and hasattr(link, "seek"):
+                self._play(link, what)
+            elif link is None or not link.commands:
+                raise ValueError("nothing to command: this is a recording")
+            else:
+                self._to_robot(link, do, what)
+        except (AddressError, LinkError, recording.RecordingError) as error:
+            raise ValueError(str(error)) from None
+        except (KeyError, TypeError) as error:
+            raise ValueError(f"{do}: {error} is missing or wrong") from None
+
+    def _to_robot(self, link: Link, do, what: dict) -> None:
+        if do == "drive":
+            link.drive(what["what"], float(what.get("af", 0)), float(what.get("ar", 0)), float(what.get("v", 90)))
+        elif do == "tune":
+            link.tune(str(what["key"]), what["value"])
+        elif do == "keep":
+            link.keep()
+        elif do == "list":
+            link.list()
+        elif do == "watch":
+            link.watch(bool(what.get("scan")), bool(what.get("candidates")))
+        elif do == "point":
+            link.point(int(what["wheel"]), float(what["angle"]))
+        else:
+            raise ValueError(f"{do!r} is not known")
+
+    @staticmethod
+    def _play(link, what: dict) -> None:
+        if "rate" in what:
+            link.rate = float(what["rate"])
+        if "playing" in what:
+            if what["playing"] and link.position >= link.length:
+                link.seek(0.0)
+            link.playing = bool(what["playing"])
+        if "position" in what:
+            link.seek(float(what["position"]))
+
+    def _pump(self, link: Link) -> None:
+        for message in link:
+            if link is not self.link:
+                return
+            with self._lock:
+                if message["type"] == "parameter":
+                    self._parameters[message["key"]] = message
+                elif message["type"] in LATEST:
+                    self._latest[message["type"]] = message
+            self._tell(message)
+
+    def _tell(self, message: dict) -> None:
+        for listener in list(self.listeners):
+            listener(message)
+
+
+class _Recorder:
+    """Records the bytes of a link, both ways, with the time of this computer."""
+
+    def __init__(self, path: str, link: Link, source: str, known: dict):
+        hello = known.get("hello", {})
+        header = recording.Header(
+            firmware=str(hello.get("firmware", "unknown")), robot="", source=source, clock="host",
+            reasons=tuple(known.get("names", {}).get("reasons", ())), notes={"hello": hello},
+        )
+        self.path = Path(path)
+        self._link = link
+        self._writer = recording.Writer(path, header)
+        self._began = time.monotonic()
+        self._lock = threading.Lock()
+        link.taps.append(self._tap)
+
+    def _tap(self, direction: str, data: bytes) -> None:
+        stream = Stream.TELEMETRY if direction == "in" else Stream.COMMAND
+        with self._lock:
+            self._writer.write(stream, int((time.monotonic() - self._began) * 1e6), data)
+
+    def close(self) -> None:
+        self._link.taps.remove(self._tap)
+        with self._lock:
+            self._writer.close()
