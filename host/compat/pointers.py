@@ -10,7 +10,6 @@ def _view(buffer, code):
     return view if code == "B" else view[: len(view) // _SIZES[code] * _SIZES[code]].cast(code)
 
 
-
 def ptr8(buffer):
     """Bytes of a buffer, 0..255 each."""
     return _view(buffer, "B")

@@ -23,7 +23,8 @@ class Result:
     """What a run gave.
 
     track: (n, 4) time s, x mm, y mm, heading deg (clockwise from +y), not more often than 100 a second. log: the
-    decisions, see `simulation.Decision`. touches: (time s, x, y, heading deg) where each contact began. recording: file of the recording, if there is one.
+    decisions, see `simulation.Decision`. touches: (time s, x, y, heading deg) where each contact began. recording: file of the
+    recording, if there is one.
     """
 
     course: str
