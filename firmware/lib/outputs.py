@@ -74,6 +74,9 @@ class Outputs:
         self.restarts = 0
         self._config = config
         self._chips = (servo_chip, motor_left, motor_right)
+        servo_chip.use(max(config.servos_channels) + 1)
+        motor_left.use(max(config.motors_channels) + 2)
+        motor_right.use(max(config.motors_channels) + 2)
         self._counts = [array("H", bytes(2 * chip.channels)) for chip in self._chips]
         self._unsent = 0  # bit k: chip k holds other registers than its image
         self._ticks_a_second = config.servos_frequency

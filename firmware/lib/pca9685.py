@@ -71,17 +71,12 @@ class PCA9685:
     def __init__(self, i2c, address=0x40, frequency=50, oscillator=25000000, channels=16):
         if not 0x40 <= address <= 0x7F or address == _ALL_CALL:
             raise ValueError("PCA9685 address must be 0x40 .. 0x7F and not 0x70 (answered by every chip), not 0x%02x" % address)
-        if not 1 <= channels <= 16:
-            raise ValueError("PCA9685 has channels for 1 .. 16 outputs, not %r" % channels)
         self.address = address
-        self.channels = channels
         self.prescale = min(max((oscillator + 2048 * frequency) // (4096 * frequency) - 1, 3), 255)
         self._oscillator = oscillator
         self._i2c = i2c
         self._absent = "PCA9685 at 0x%02x does not answer: check its power, SDA, SCL and address jumpers" % address
-        self._image = bytearray(1 + 4 * channels)
-        self._image[0] = _LED0
-        _encode(bytes(2 * channels), self._image, channels)
+        self.use(channels)
         self._setup = (
             bytes((_MODE1, _AUTO_INCREMENT | _SLEEP, _TOTEM_POLE)),
             bytes((_PRE_SCALE, self.prescale)),
@@ -89,6 +84,15 @@ class PCA9685:
             bytes((_MODE1, _AUTO_INCREMENT)),
         )
         self._byte = bytearray(1)
+
+    def use(self, channels):
+        """Send only the first `channels`, 1 .. 16, from now on: a burst takes 0.09 ms for each at 400 kHz. ValueError for another number."""
+        if not 1 <= channels <= 16:
+            raise ValueError("a PCA9685 has 1 .. 16 channels, not %r" % channels)
+        self.channels = channels
+        self._image = bytearray(1 + 4 * channels)
+        self._image[0] = _LED0
+        _encode(bytes(2 * channels), self._image, channels)
 
     def start(self):
         """Set up the chip, whatever it did before, with every output off. Outputs stay off until the next write()."""

@@ -4,6 +4,8 @@ from config import Config, ConfigError, load, parse
 
 ROBOT_JSON = __file__.rsplit("/", 3)[0] + "/firmware/robot.json"
 
+AXLES = " (8 axles at most: two wheels on each, 16 channels on a chip)"
+
 
 def _refusal(values):
     try:
@@ -71,8 +73,8 @@ def test_refusals_name_the_key_its_value_and_what_is_allowed():
         ({"lidar": {"mirrored": 1}}, "lidar.mirrored = 1: true or false is needed"),
         ({"lidar": 5}, "lidar = 5: an object is needed, { ... }"),
         ({"wifi": {"ssid": 5}}, "wifi.ssid = 5: a text of at most 32 characters is needed"),
-        ({"axles": {"spacings": [100] * 8}}, "axles.spacings = [100, 100, 100, 100, 100, 100, 100, 100]: a list of 1 .. 7 numbers is needed (8 axles at most: two wheels on each, 16 channels on a chip)"),
-        ({"axles": {"spacings": []}}, "axles.spacings = []: a list of 1 .. 7 numbers is needed (8 axles at most: two wheels on each, 16 channels on a chip)"),
+        ({"axles": {"spacings": [70] * 8}}, "axles.spacings = [70, 70, 70, 70, 70, 70, 70, 70]: a list of 1 .. 7 numbers is needed" + AXLES),
+        ({"axles": {"spacings": []}}, "axles.spacings = []: a list of 1 .. 7 numbers is needed" + AXLES),
         ({"axles": {"spacings": [300, 301]}}, "axles.spacings = [300, 301]: the sum must not exceed robot.length = 600 mm"),
         ({"axles": {"track": 260}}, "axles.track = 260: it must not exceed robot.width = 250 mm"),
         ({"servos": {"trims": [1, 2]}}, "servos.trims = [1, 2]: 10 values are needed, one for each wheel, not 2"),
@@ -133,7 +135,11 @@ def test_trims_can_be_tuned_one_by_one():
     config = Config()
     config.set("servos.trims.3", -2.5)
     assert list(config.servos_trims) == [0, 0, 0, -25, 0, 0, 0, 0, 0, 0] and config.changes == 1
-    for key, value, part in (("servos.trims.10", 0, "servos.trims.0 .. servos.trims.9"), ("servos.trims.0", 21, "-20 .. 20"), ("servos.trims.x", 0, "wheels")):
+    for key, value, part in (
+        ("servos.trims.10", 0, "servos.trims.0 .. servos.trims.9"),
+        ("servos.trims.0", 21, "-20 .. 20"),
+        ("servos.trims.x", 0, "wheels"),
+    ):
         try:
             config.set(key, value)
         except ConfigError as error:

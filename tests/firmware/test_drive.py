@@ -107,7 +107,13 @@ def test_pulses_of_the_wheels():
 
 
 def test_trims_directions_and_pulse_ranges_of_single_servos():
-    robot = _Robot({"servos": {"trims": [9] + [0] * 9, "directions": [1, -1] + [1] * 8, "pulse_low": [500, 500, 600] + [500] * 7, "pulse_high": [2500, 2500, 2300] + [2500] * 7}}).ready()
+    servos = {
+        "trims": [9] + [0] * 9,
+        "directions": [1, -1] + [1] * 8,
+        "pulse_low": [500, 500, 600] + [500] * 7,
+        "pulse_high": [2500, 2500, 2300] + [2500] * 7,
+    }
+    robot = _Robot({"servos": servos}).ready()
     assert abs(robot.angles()[0] - 9) < 0.25
     robot.drive.command(450, 450, 90)
     robot.step(40)
@@ -264,6 +270,22 @@ def test_a_fold_is_a_large_change_however_small_the_angles():
     assert False in signs and True in signs
 
 
+def test_a_way_past_a_fold_is_not_driven_though_neither_end_is_folded():
+    robot = _Robot({"servos": {"swing": 180}}).ready()
+    robot.drive.command(880, 880, 108)
+    robot.step(80)
+    assert robot.drive.aim.af == 880 and not robot.stands()
+    robot.drive.command(800, 700, 108)
+    stood = False
+    for _ in range(100):
+        robot.step()
+        assert not robot.drive.aim.folded
+        if robot.drive.turning:
+            assert robot.stands()
+            stood = True
+    assert stood and robot.drive.aim.af == 800 and not robot.drive.turning and not robot.stands()
+
+
 def test_a_change_of_mind_while_still_rolling_costs_no_swing():
     robot = _Robot().ready()
     robot.drive.command(0, 0, 180)
@@ -405,6 +427,15 @@ def test_registers_are_sent_when_they_change_and_once_a_second():
     assert [chip.bursts - b for chip, b in zip(robot.bus.chips.values(), before)] == [2, 2, 2]
 
 
+def test_bursts_end_with_the_last_output_in_use():
+    lengths = []
+    robot = _Robot()
+    for chip in robot.bus.chips.values():
+        chip.write = lambda data: lengths.append(len(data))
+    robot.step()
+    assert lengths[-3:] == [41, 41, 41]
+
+
 def test_a_garbled_register_is_put_right():
     robot = _Robot().ready()
     robot.bus.chips[SERVOS].registers[6 + 4 * 3 + 2] ^= 0x40
@@ -480,7 +511,8 @@ def test_other_numbers_of_axles_drive():
 def test_no_output_enable_pin():
     config = Config({"pins": {"output_enable": None}})
     bus = FakeBus()
-    drive = Drive(Steering(config.axles_spacings, config.axles_track), PCA9685(bus, SERVOS), PCA9685(bus, LEFT, 1000), PCA9685(bus, RIGHT, 1000), None, config)
+    chips = PCA9685(bus, SERVOS), PCA9685(bus, LEFT, 1000), PCA9685(bus, RIGHT, 1000)
+    drive = Drive(Steering(config.axles_spacings, config.axles_track), *chips, None, config)
     drive.update(0)
     assert drive.ok and bus.chips[SERVOS].count(0) == 307
 

@@ -223,7 +223,13 @@ def test_centre_of_a_body_whose_axles_do_not_lie_about_it():
 
 
 def test_impossible_robots_are_refused():
-    for spacings, track, part in (((), 230, "two axles"), ((100, 0), 230, "spacings"), ((100,) * 15, 230, "axles"), ((100,), 800, "track"), ((100,), 0, "track")):
+    for spacings, track, part in (
+        ((), 230, "two axles"),
+        ((100, 0), 230, "spacings"),
+        ((100,) * 15, 230, "axles"),
+        ((100,), 800, "track"),
+        ((100,), 0, "track"),
+    ):
         try:
             Steering(spacings, track)
         except ValueError as error:
