@@ -26,6 +26,7 @@ The streams that follow, in order of time:
     7 command     bytes sent to the robot on its link
     8 inputs      what the robot's inputs showed from then on, see `Inputs`
     9 uart        bytes the robot sent on another UART (its screen): GPIO u8, then the bytes
+    10 read       one I2C read: address u8, then the bytes the chip answered; the time is that of its end
     255 end       the recording was closed properly; nothing follows
 
 Each record is one write, handed to the operating system before `write` returns: a process that dies loses nothing. A file cut
@@ -62,6 +63,7 @@ class Stream(IntEnum):
     COMMAND = 7
     INPUTS = 8
     UART = 9
+    READ = 10
     END = 255
 
 

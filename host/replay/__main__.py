@@ -1,0 +1,94 @@
+"""python -m host.replay FILE [--set KEY=VALUE ...] [--engine ENGINE] [--firmware FOLDER] [--rows N]
+
+Feeds the recorded lidar bytes, at their recorded times, through the firmware's own code, and compares every decision and every register
+byte with those recorded. With --set the firmware runs with other settings, and what would have changed is shown.
+
+Exit status: 0 all the same; 1 something differs; 2 nothing to replay, or wrong arguments.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from host.recording import Reader, RecordingError
+from host.twin.image import FIRMWARE, ToolMissing
+from host.twin.process import ENGINES
+from host.twin.recorder import sources_digest
+
+from . import compare, table
+from .rerun import rerun, settings
+from .tape import Tape
+
+SAME, DIFFERS, MISUSED = 0, 1, 2
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    options = _parser().parse_args(argv)
+    try:
+        reader = Reader(options.file)
+        tape = Tape(reader)
+        changes = dict(_change(text) for text in options.set)
+        robot = settings(reader.header.robot, changes)
+    except (RecordingError, ValueError) as error:
+        return _misused(error)
+    try:
+        again = rerun(tape, robot, options.engine, options.firmware)
+    except (ToolMissing, SyntaxError) as error:
+        return _misused(error)
+    print(f"{options.file}: {reader.header.source}, {tape.then.end_us / 1e6:.1f} s")
+    if tape.cut:
+        print(f"the file is {tape.cut}; what is before that was used")
+    if not reader.header.firmware.endswith(sources_digest(options.firmware)[:12]):
+        print(f"recorded with another firmware ({reader.header.firmware}): differences are to be expected")
+    return _report(tape.then, again, changes, reader.header.reasons, options.rows)
+
+
+def _misused(error: Exception) -> int:
+    print(f"python -m host.replay: {error}", file=sys.stderr)
+    return MISUSED
+
+
+def _report(then, again, changes, reasons, rows) -> int:
+    match = compare.decisions_by_time if changes else compare.decisions_by_number
+    decisions, writes = match(then, again.log), compare.writes(then, again.log)
+    print(table.summary("decisions", decisions))
+    for line in table.decisions(decisions, reasons, rows):
+        print(line)
+    print(table.summary("register writes", writes))
+    if writes.differences:
+        print("          " + table.write(writes.differences[0]))
+    if again.stopped:
+        print(f"now it ended early: {again.stopped}")
+    if changes and decisions.differences:
+        print("after the first difference the robot would have gone elsewhere than the recorded lidar did: drive it in the twin to see where")
+    return DIFFERS if decisions.differences or writes.differences else SAME
+
+
+def _change(text: str) -> tuple[str, object]:
+    """ "avoid.margin=20" -> ("avoid.margin", 20)."""
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip():
+        raise ValueError(f"--set {text}: write section.key=value, as in avoid.margin=20")
+    try:
+        return key.strip(), json.loads(value)
+    except ValueError:
+        return key.strip(), value.strip()
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m host.replay", description="Run a recording through the firmware again and compare what it decides.",
+        epilog="exit status: 0 all the same, 1 something differs, 2 nothing to replay or wrong arguments",
+    )  # fmt: skip
+    parser.add_argument("file", metavar="FILE", help="recording")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting of robot.json: avoid.margin=20")
+    parser.add_argument("--engine", choices=ENGINES, default=ENGINES[0], help="what runs the firmware")
+    parser.add_argument("--firmware", type=Path, default=FIRMWARE, metavar="FOLDER", help="main.py and lib/ to run (default firmware/)")
+    parser.add_argument("--rows", type=int, default=10, metavar="N", help="differing decisions to show (default %(default)s)")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())
