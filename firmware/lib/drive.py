@@ -72,7 +72,7 @@ class Drive:
     af, ar          estimate of the steering now, 0.1 deg; `steering` is solved for it
     v256            estimate of the speed of the fastest wheel, V - 90 in 1/256, mean of the servo period that has begun
     turning         the robot stands, or is stopping, because its wheels have to swing
-    aim             Steering of the angles the servos were told last
+    aim             Steering of the angles the servos were told last; another object after each update(), so do not keep it
     unreachable     wheel the last command would turn beyond its servo's limits, or -1
     ok, fault       False, and why, while a chip does not answer: all outputs are off then
     """
