@@ -23,8 +23,9 @@ _COMMAND = const(200)  # longest payload of a command
 
 _CTRL_C = const(3)
 _STALE_US = const(200_000)  # a frame from USB that is not whole by then never will be
-_RING = const(3072)
+_RING = const(2560)
 _BLOCK = const(64)
+_UNIT = const(8)
 _FIFO = const(120)
 
 _LISTENS_US = const(3_000_000)
@@ -62,7 +63,9 @@ class SerialLine:
 
         self._ring = bytearray(_RING)
         self._block = bytearray(_BLOCK)
-        self._views = [memoryview(self._block)[:count] for count in range(_BLOCK + 1)]
+        # Views of all lengths up to one unit, then of whole units: a slice made when it is needed would allocate.
+        self._short = [memoryview(self._block)[:count] for count in range(_UNIT)]
+        self._long = [memoryview(self._block)[:count] for count in range(0, _BLOCK + 1, _UNIT)]
         self._head = 0
         self._used = 0
         self._credit = _FIFO
@@ -127,8 +130,13 @@ class SerialLine:
             self._credit = min(self._credit + gained, _FIFO)
         while self._used and self._credit:
             count = min(self._used, self._credit, _BLOCK, _RING - self._head)
+            if count >= _UNIT:
+                count -= count % _UNIT
+                view = self._long[count // _UNIT]
+            else:
+                view = self._short[count]
             copy(self._ring, self._head, count, self._block, 0)
-            self._sink.write(self._views[count])
+            self._sink.write(view)
             self._head = (self._head + count) % _RING
             self._used -= count
             self._credit -= count

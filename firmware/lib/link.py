@@ -48,13 +48,13 @@ class Link:
         self._carriers = carriers
         self._session = session
         self._commands = Commands(session, key)
-        self._encoder = Encoder()
+        self.radio = any(carrier.signed for carrier in carriers)
+        self._encoder = Encoder(datagrams=self.radio)
         self._report = Report(self._encoder, identity, names)
         self._scan = None
         self._settings = settings
         self._config = config
         self.dropped = 0
-        self.radio = any(carrier.signed for carrier in carriers)
         self._decisions = -1
         self._wheels_us = self._points_us = self._health_us = self._hello_us = None
         self._pose_next = False

@@ -128,11 +128,15 @@ def copy(source: ptr8, start: int, count: int, target: ptr8, at: int):
 
 
 class Encoder:
-    """Builds frames in one buffer made once. Fill `data` from HEADER on, then call `seal`; allocates nothing."""
+    """Builds frames in one buffer made once. Fill `data` from HEADER on, then call `seal`; allocates nothing.
 
-    def __init__(self, size=MAX_FRAME):
+    datagrams: whether `datagram` will be wanted.
+    """
+
+    def __init__(self, size=MAX_FRAME, datagrams=False):
         self.data = bytearray((size + _FILLING - 1) // _FILLING * _FILLING)
-        self._views = [memoryview(self.data)[:end] for end in range(0, len(self.data) + 1, _FILLING)]
+        ends = range(0, len(self.data) + 1, _FILLING) if datagrams else ()
+        self._views = [memoryview(self.data)[:end] for end in ends]
         self.data[0] = SYNC[0]
         self.data[1] = SYNC[1]
         self.data[2] = VERSION
