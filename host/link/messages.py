@@ -37,7 +37,6 @@ import telemetry  # noqa: E402
 STATES = ("stopped", "auto", "manual")
 STATUSES = ("ok", "refused", "stale", "unknown", "bad")
 FULL_V256 = 90 * 256
-_MICRO = 1e-6
 
 
 def decode(kind: int, payload: bytes, full_speed: float = 1280.0) -> dict | None:
@@ -66,7 +65,7 @@ def _hello(payload):
 def _decision(payload):
     number, time, state, mode, af, ar, v, window, zone, free, x, y, why, took = struct.unpack(telemetry.DECISION_FORMAT, payload)
     return {
-        "type": "decision", "number": number, "time": time * _MICRO, "state": STATES[state], "mode": mode, "af": af / 10, "ar": ar / 10, "v": v,
+        "type": "decision", "number": number, "time": time / 1e6, "state": STATES[state], "mode": mode, "af": af / 10, "ar": ar / 10, "v": v,
         "window": window, "zone": None if zone == 255 else zone, "free": free, "block": _block(x, y), "why": why, "took": took / 1000,
     }  # fmt: skip
 
@@ -78,7 +77,7 @@ def _wheels(payload, full_speed):
     shares = struct.unpack_from(f"<{count}h", payload, size + 2 * count)
     scale = v256 * full_speed / FULL_V256 / 16384
     return {
-        "type": "wheels", "time": time * _MICRO, "af": af / 10, "ar": ar / 10, "v": round(90 + v256 / 256, 2), "folded": folded,
+        "type": "wheels", "time": time / 1e6, "af": af / 10, "ar": ar / 10, "v": round(90 + v256 / 256, 2), "folded": folded,
         "angles": [angle / 10 for angle in angles], "speeds": [round(share * scale, 1) for share in shares],
     }  # fmt: skip
 
@@ -87,7 +86,7 @@ def _points(payload):
     size = struct.calcsize(telemetry.POINTS_FORMAT)
     time, count = struct.unpack_from(telemetry.POINTS_FORMAT, payload)
     return {
-        "type": "points", "time": time * _MICRO, "x": list(struct.unpack_from(f"<{count}h", payload, size)),
+        "type": "points", "time": time / 1e6, "x": list(struct.unpack_from(f"<{count}h", payload, size)),
         "y": list(struct.unpack_from(f"<{count}h", payload, size + 2 * count)), "window": list(payload[size + 4 * count : size + 5 * count]),
     }  # fmt: skip
 
@@ -101,7 +100,7 @@ def _scan(payload):
         step = ((last - first + 1800) % 3600 - 1800) / max(count - 1, 1)
         bearings += [round((first + step * i) % 3600 / 10, 2) for i in range(count)]
         distances += [quarter / 4 for quarter in struct.unpack_from(f"<{count}H", payload, at + size)]
-        times.append(time * _MICRO)
+        times.append(time / 1e6)
         at += size + 2 * count
     return {"type": "scan", "times": times, "bearings": bearings, "distances": distances}
 
@@ -117,7 +116,7 @@ def _health(payload):
 
 def _pose(payload):
     time, x, y, heading = struct.unpack(telemetry.POSE_FORMAT, payload)
-    return {"type": "pose", "time": time * _MICRO, "x": x / 256, "y": y / 256, "heading": heading / 1000}
+    return {"type": "pose", "time": time / 1e6, "x": x / 256, "y": y / 256, "heading": heading / 1000}
 
 
 def _candidates(payload):
@@ -126,7 +125,7 @@ def _candidates(payload):
     rest = payload[struct.calcsize(telemetry.CANDIDATES_FORMAT) :]
     for af, ar, free, x, y, chosen in struct.iter_unpack(telemetry.CANDIDATE_FORMAT, rest):
         rows.append({"af": af / 10, "ar": ar / 10, "free": free, "block": _block(x, y), "chosen": bool(chosen)})
-    return {"type": "candidates", "time": time * _MICRO, "list": rows}
+    return {"type": "candidates", "time": time / 1e6, "list": rows}
 
 
 def _reply(payload):

@@ -1,0 +1,233 @@
+"""host.link: addresses, messages, the links to the twin, to a recording, over a serial line and over UDP."""
+
+import os
+import pty
+import socket
+import struct
+import threading
+import tty
+
+import pytest
+
+from host import recording
+from host.link import AddressError, LinkError, connect
+from host.link import address as addresses
+from host.link import messages, radio
+from host.link.messages import telemetry
+from host.recording import Stream
+
+import auth  # isort: skip
+
+KEY = bytes(range(32))
+SESSION = b"12345678"
+HELLO = b'{"robot": "gapseeker-0000", "board": "00ff", "firmware": "0.1.0", "full_speed": 1280}'
+
+
+def hello(counter=0, session=SESSION):
+    return telemetry.frame(telemetry.HELLO, struct.pack(telemetry.HELLO_FORMAT, session, counter) + HELLO)
+
+
+@pytest.mark.parametrize(
+    "text, expected",
+    [
+        ("serial:/dev/ttyUSB0", ("serial", "/dev/ttyUSB0", {})),
+        ("udp:robot.local:9750", ("udp", "robot.local:9750", {})),
+        ("twin:z?width=550&seed=3", ("twin", "z", {"width": "550", "seed": "3"})),
+        ("file:what? really.rec", ("file", "what? really.rec", {})),
+    ],
+)
+def test_addresses(text, expected):
+    assert addresses.parse(text) == expected
+
+
+@pytest.mark.parametrize("text", ["", "z", "twin:", "http://robot", "/dev/ttyUSB0"])
+def test_what_is_no_address_is_told_what_would_be(text):
+    with pytest.raises(AddressError, match="serial:/dev/ttyUSB0"):
+        connect(text)
+
+
+@pytest.mark.parametrize("text, words", [("twin:q", "courses are Z"), ("twin:z?colour=red", "width"), ("twin:z?width=wide", "a number")])
+def test_what_the_twin_does_not_know(text, words):
+    with pytest.raises(AddressError, match=words):
+        connect(text)
+
+
+@pytest.mark.parametrize("text", ["serial:/dev/no-such-port", "file:/no/such.rec", "udp:localhost:many", "udp:no-such-robot.invalid"])
+def test_what_cannot_be_opened(text):
+    with pytest.raises(LinkError):
+        connect(text)
+
+
+def test_every_message_of_the_wire_becomes_a_dict():
+    decision = struct.pack(telemetry.DECISION_FORMAT, 7, 1_500_000, 1, 4, -300, 45, 108, 4, 255, 512, 10, -20, 2, 12345)
+    assert messages.decode(telemetry.DECISION, decision) == {
+        "type": "decision", "number": 7, "time": 1.5, "state": "auto", "mode": 4, "af": -30.0, "ar": 4.5, "v": 108, "window": 4, "zone": None,
+        "free": 512, "block": [10, -20], "why": 2, "took": 12.345,
+    }  # fmt: skip
+    wheels = struct.pack(telemetry.WHEELS_FORMAT + "4h4h", 0, 0, 0, 18 * 256, 2, 4, 0, 900, -900, 5, 16384, -16384, 8192, 0)
+    assert messages.decode(telemetry.WHEELS, wheels)["speeds"] == [256.0, -256.0, 128.0, 0.0]
+    points = struct.pack("<IH2h2h2B", 5, 2, 1, -2, 3, -4, 0, 4)
+    assert messages.decode(telemetry.POINTS, points) == {"type": "points", "time": 5e-6, "x": [1, -2], "y": [3, -4], "window": [0, 4]}
+    scan = struct.pack("<IHHB3H", 5, 3550, 50, 3, 4000, 0, 2) + struct.pack("<IHHB1H", 6, 100, 100, 1, 8)
+    decoded = messages.decode(telemetry.SCAN, scan)
+    assert decoded["bearings"] == [355.0, 0.0, 5.0, 10.0] and decoded["distances"] == [1000.0, 0.0, 0.5, 2.0]
+    health = struct.pack(telemetry.HEALTH_FORMAT, 5000, 60000, 4000, 0, 120, 3, 2, 10, 11, 12, 13, 14)
+    decoded = messages.decode(telemetry.HEALTH, health)
+    assert decoded["battery"] is None and decoded["lidar_ok"] and decoded["chips"] and not decoded["radio"] and decoded["worst"] == 4.0
+    pose = messages.decode(telemetry.POSE, struct.pack(telemetry.POSE_FORMAT, 0, -256, 512, 90000))
+    assert (pose["x"], pose["y"], pose["heading"]) == (-1.0, 2.0, 90.0)
+    rows = struct.pack("<I", 0) + struct.pack(telemetry.CANDIDATE_FORMAT, 10, -10, 200, 5, 6, 1) + struct.pack(telemetry.CANDIDATE_FORMAT, 0, 0, 700, 32767, 0, 0)
+    assert [row["block"] for row in messages.decode(telemetry.CANDIDATES, rows)["list"]] == [[5, 6], None]
+    assert messages.decode(telemetry.LOG, b"\1low")["text"] == "low"
+    reply = messages.decode(telemetry.REPLY, struct.pack(telemetry.REPLY_FORMAT, 3, telemetry.TUNE, telemetry.REFUSED) + b"no")
+    assert reply == {"type": "reply", "counter": 3, "command": "tune", "status": "refused", "text": "no"}
+
+
+def test_what_does_not_fit_is_no_message():
+    for kind in range(256):
+        for payload in (b"", b"\xff", bytes(11), b"\xff" * 40):
+            messages.decode(kind, payload)
+
+
+@pytest.mark.parametrize("values", [("fly", 0, 0, 90), ("manual", 91, 0, 90), ("manual", 0, 0, 181)])
+def test_a_command_that_cannot_be_is_not_sent(values):
+    with pytest.raises(ValueError):
+        messages.drive(1, *values)
+
+
+@pytest.fixture
+def line():
+    """(our end of a serial line, address of the other)."""
+    ours, theirs = pty.openpty()
+    tty.setraw(ours)
+    tty.setraw(theirs)
+    yield ours, f"serial:{os.ttyname(theirs)}"
+    os.close(ours)
+    os.close(theirs)
+
+
+def test_over_a_serial_line(line):
+    ours, address = line
+    with connect(address) as link:
+        assert telemetry.decode(os.read(ours, 100))[0][0] == telemetry.GREET
+        os.write(ours, b"MPY: soft reboot\r\n" + hello())
+        assert link.wait_for("text")["text"] == "MPY: soft reboot"
+        assert link.wait_for("hello")["robot"] == "gapseeker-0000"
+        link.tune("avoid.margin", 20)
+        kind, _, payload = telemetry.decode(os.read(ours, 100))[0]
+        assert (kind, payload[4:]) == (telemetry.TUNE, b"avoid.margin=20")
+
+
+def test_an_unplugged_board_ends_the_link():
+    ours, theirs = pty.openpty()
+    with connect(f"serial:{os.ttyname(theirs)}") as link:
+        os.close(ours)
+        os.close(theirs)
+        assert "connect again" in link.wait_for("ended")["text"]
+
+
+class RobotSocket:
+    """The robot's end of the network, without the robot."""
+
+    def __init__(self):
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind(("127.0.0.1", 0))
+        self.socket.settimeout(3)
+        self.port = self.socket.getsockname()[1]
+
+    def announce(self, **kw):
+        self.socket.sendto(hello(**kw), ("127.0.0.1", self.port + 1))
+
+    def receive(self):
+        data, self.peer = self.socket.recvfrom(2048)
+        ((kind, sequence, payload),) = telemetry.decode(data)
+        signed = struct.pack("<BBHH", telemetry.VERSION, kind, sequence, len(payload)) + payload[:-8]
+        genuine = payload[-8:] == auth.tag(KEY, SESSION, signed)
+        return kind, struct.unpack_from("<I", payload)[0], genuine
+
+
+@pytest.fixture
+def robot():
+    end = RobotSocket()
+    yield end
+    end.socket.close()
+
+
+def test_over_the_network_commands_are_signed_and_counted(robot):
+    with radio.RadioLink("udp:", f"127.0.0.1:{robot.port}", key=KEY) as link:
+        robot.announce(counter=41)
+        kind, counter, genuine = robot.receive()
+        assert kind == telemetry.GREET and counter == 42 and genuine
+        link.drive("stop")
+        while (received := robot.receive())[0] != telemetry.DRIVE:
+            pass
+        assert received[1] > counter and received[2]
+        robot.socket.sendto(telemetry.frame(telemetry.LOG, b"\0hi") + bytes(20), robot.peer)
+        assert link.wait_for("log")["text"] == "hi"
+
+
+def test_without_the_key_nothing_is_sent(robot, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    with radio.RadioLink("udp:", f"127.0.0.1:{robot.port}") as link:
+        robot.announce()
+        assert "no key for gapseeker-0000" in link.wait_for("text")["text"]
+        link.drive("auto")
+        robot.socket.settimeout(0.5)
+        with pytest.raises(TimeoutError):
+            robot.receive()
+
+
+def test_robots_are_found_by_what_they_announce(robot):
+    from host.link import discover
+
+    threading.Timer(0.2, robot.announce).start()
+    found = discover.robots(1.0, robot.port)
+    assert [(address, told["firmware"]) for address, told in found] == [(f"udp:127.0.0.1:{robot.port}", "0.1.0")]
+
+
+@pytest.fixture
+def recorded(tmp_path):
+    """A recording of three seconds with a decision every tenth."""
+    path = tmp_path / "drive.rec"
+    header = recording.Header(firmware="1", robot="", source="twin:z?width=600&seed=2", reasons=("one", "two"))
+    with recording.Writer(path, header) as writer:
+        for k in range(30):
+            data = telemetry.frame(telemetry.DECISION, struct.pack(telemetry.DECISION_FORMAT, k, k * 100_000, 1, 4, 0, 0, 108, 4, 0, 700, 32767, 0, 1, 5))
+            writer.write(Stream.TELEMETRY, k * 100_000, data[:20])
+            writer.write(Stream.TELEMETRY, k * 100_000 + 1000, data[20:])
+            writer.write(Stream.POSE, k * 100_000, recording.Pose(k, 2 * k, 3).pack())
+        writer.event(3_000_000, "pass")
+    return path
+
+
+def test_a_recording_plays_as_it_was(recorded):
+    with connect(f"file:{recorded}") as link:
+        link.rate = 30
+        assert len(link.wait_for("world")["walls"]) == 7
+        assert link.wait_for("names")["reasons"] == ["one", "two"]
+        assert [link.wait_for("decision")["number"] for _ in range(30)] == list(range(30))
+        assert link.wait_for("event")["text"] == "pass"
+
+
+def test_a_jump_tells_what_was_so_then(recorded):
+    with connect(f"file:{recorded}") as link:
+        link.playing = False
+        link.seek(1.55)
+        assert link.wait_for("jump")
+        assert link.wait_for("truth")["x"] == 15
+        assert link.wait_for("playback")["position"] == 1.55
+        link.seek(99)
+        numbers = []
+        while (message := link.get(1))["type"] != "playback" or message["position"] != 3.0:
+            numbers += [message["number"]] if message["type"] == "decision" else []
+        assert numbers[-1] == 29
+
+
+def test_a_link_counts_what_was_lost(line):
+    ours, address = line
+    with connect(address) as link:
+        os.write(ours, hello())
+        link.wait_for("hello")
+        os.write(ours, telemetry.frame(telemetry.LOG, b"\0a", 1) + telemetry.frame(telemetry.LOG, b"\0b", 5))
+        link.wait_for("log"), link.wait_for("log")
+        assert link.lost == 3
