@@ -66,7 +66,7 @@ def _parser():
     add("--config", metavar="FILE", help="robot.json to use (default firmware/robot.json)")
     add("--firmware", metavar="FOLDER", help="main.py and lib/ to run (default firmware/)")
     add("--json", action="store_true", help="print one JSON object with the result and nothing else")
-    add("--record", metavar="FILE", help="record the run (without it, a run that ends badly leaves a recording in out/)")
+    add("--record", metavar="FILE", help="record the run (without it, a run that ends badly leaves a recording in out/ended-badly)")
     add("--no-record", dest="record", action="store_const", const=False, help="never record")
     add("--picture", metavar="FILE", help="draw the run (.png)")
     add("--mirror", action="store_true", help="the course with left and right exchanged")

@@ -12,10 +12,11 @@ from host.recording import Stream
 
 from . import image
 from .console import reasons
-from .simulation import PASS, Watch
+from .simulation import Watch
 
 POSE_US = 20_000  # no more poses than one in this time
-OUT = image.ROOT / "out"
+OUT = image.ROOT / "out" / "ended-badly"
+KEPT = 100  # newest recordings that are left there: a sweep of failing runs must not fill the disk
 
 _number = itertools.count(1)  # of the recordings of this process
 
@@ -45,7 +46,7 @@ class Recorder(Watch):
     def begin(cls, path, robot, source, firmware, notes):
         """Open a recording for one run.
 
-        path: file to write; None: one in out/ that `finish` keeps only if the run ends badly. robot: text of robot.json. source: address
+        path: file to write; None: one in OUT that `finish` keeps only if the run ends badly. robot: text of robot.json. source: address
         of the course. firmware: folder of the firmware. notes: dict of what else is worth knowing.
         """
         kept = path is not None
@@ -102,14 +103,22 @@ class Recorder(Watch):
         if not self._now:
             self._writer.path.unlink(missing_ok=True)
 
-    def finish(self, result, reason):
-        """Say how the run ended and complete the file; returns its path, or None if nobody wants it."""
+    def finish(self, result, reason, badly):
+        """Say how the run ended and complete the file; returns its path, or None if nobody wants it.
+
+        badly: whether this is an end worth looking into.
+        """
         self._writer.event(self._now, f"{result}: {reason}" if reason else result)
         self._writer.close()
-        if self._kept or result != PASS:
-            return self._writer.path
-        self._writer.path.unlink()
-        return None
+        path = self._writer.path
+        if self._kept:
+            return path
+        if not badly:
+            path.unlink()
+            return None
+        for old in sorted(path.parent.glob("*.rec"))[:-KEPT]:  # the names begin with the time
+            old.unlink(missing_ok=True)
+        return path
 
 
 class Several(Watch):

@@ -12,7 +12,7 @@ import numpy as np
 from . import courses, image
 from .process import FirmwareStopped, Process
 from .recorder import Recorder, Several
-from .simulation import BLOCKED, TIMEOUT, Simulation, Watch
+from .simulation import BLOCKED, PASS, TIMEOUT, Simulation, Watch
 from .vehicle import Vehicle
 
 MODES = ("aws", "naws")
@@ -69,7 +69,7 @@ def run(
     it perturbs the start as well. mode: "aws" or "naws", None as robot.json says. speed: factor on real time, None = as fast as
     possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it. watch: simulation.Watch, told what
     happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run earlier than after 60 s.
-    record: file for a recording of the run; None records into out/ and keeps that only if the run ends badly; False never records.
+    record: file for a recording of the run; None records into out/ended-badly/ and keeps that only if the run ends badly; False never records.
     """
     began = time.monotonic()
     settings = load_config(config, mode, changes)
@@ -87,13 +87,16 @@ def run(
         child = Process(engine, text, watch.serial, firmware)
         stack.callback(child.close)
         try:
-            _drive(simulation, child, watch, speed, limit_s)
+            ended = _drive(simulation, child, watch, speed, limit_s)
         except FirmwareStopped as stopped:
             simulation.stop(BLOCKED, str(stopped))
+            ended = True
         except KeyboardInterrupt:
             simulation.stop(TIMEOUT, "interrupted")
+            ended = False
         child.close()  # what it printed last belongs to the recording
-        kept = recorder.finish(simulation.result, simulation.reason) if recorder else None
+        badly = ended and simulation.result != PASS
+        kept = recorder.finish(simulation.result, simulation.reason, badly) if recorder else None
     return _result(simulation, layout, vehicle, dict(
         course=course, width_mm=layout.width, gap_mm=gap, seed=seed, mode=settings.get("mode", "AWS").lower(), engine=engine,
         wall_s=time.monotonic() - began, recording=str(kept) if kept else None,
@@ -135,6 +138,7 @@ def load_config(config=None, mode=None, changes=None):
 
 
 def _drive(simulation, child, watch, speed, limit_s):
+    """True when the run came to its own end, False when the limit cut it."""
     start = time.monotonic()
     while simulation.result is None:
         answer = simulation.serve(child.receive())
@@ -145,12 +149,14 @@ def _drive(simulation, child, watch, speed, limit_s):
                 time.sleep(ahead)
         if limit_s and simulation.now > limit_s * 1e6:
             simulation.stop(TIMEOUT, f"{limit_s:g} s are over")
+            return False
         commands = watch.commands()
         if commands:
             watch.command(commands)
             child.send_serial(commands)
         if simulation.result is None:
             child.answer(*answer)
+    return True
 
 
 def _result(simulation, layout, vehicle, figures):
