@@ -29,7 +29,7 @@ class PlaybackLink(Link):
         super().__init__(address)
         try:
             reader = recording.Reader(path)
-            self._story = list(_story(reader))
+            self._story = list(story(reader))
         except recording.RecordingError as error:
             raise LinkError(str(error)) from None
         self._times = [moment for moment, _ in self._story]
@@ -94,7 +94,7 @@ class PlaybackLink(Link):
         self._put({"type": "playback", "position": round(self.position, 2), "length": round(self.length, 2), "playing": self.playing, "rate": self.rate})
 
 
-def _story(reader: recording.Reader):
+def story(reader: recording.Reader):
     """[(seconds, message)] in order of time."""
     header = reader.header
     if world := _world(header):
