@@ -7,6 +7,7 @@ A carrier has
     update(now_us)                  give out what can be without waiting
     take(now_us)                    True when a frame has come and is in the decoder; call it until it is False
     send(encoder, size, now_us)     True when the frame was taken or nobody listens; False when it had to be dropped
+    room()                          bytes that `send` takes now
     heard(now_us)                   what was received last was a valid command
 """
 
@@ -17,7 +18,7 @@ from time import ticks_diff
 import micropython
 from micropython import const
 
-from telemetry import Decoder, copy
+from telemetry import MAX_FRAME, Decoder, copy
 
 _COMMAND = const(200)  # longest payload of a command
 
@@ -86,6 +87,10 @@ class SerialLine:
         copy(encoder.data, first, size - first, self._ring, 0)
         self._used += size
         return True
+
+    def room(self):
+        """Bytes free in the queue."""
+        return _RING - self._used
 
     def heard(self, now_us):
         """Nothing to do: the cable has one end."""
@@ -200,6 +205,10 @@ class Datagrams:
     def send(self, encoder, size, now_us):
         """Send a frame; False when the radio had no buffer left, as happens when it is busy or the other end sleeps."""
         return not self.busy or self._send(encoder, size, self._peer)
+
+    def room(self):
+        """Nothing is queued here."""
+        return MAX_FRAME
 
     def announce(self, encoder, size):
         """Send a frame to everyone in the network."""

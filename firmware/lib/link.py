@@ -9,7 +9,7 @@ robot has
     avoid, drive, odometry, lidar, health     as in docs/architecture.md
     took_us                          computing time that went into the latest decision
 
-Frames that a slow carrier cannot take are dropped and counted.
+What is told again and again is dropped, and counted, when a carrier is too slow for it; what is told once waits for room.
 """
 
 import os
@@ -61,6 +61,7 @@ class Link:
         self._points_of = -1
         self._hellos = 0
         self._names_due = True
+        self._reply_due = False
         self._logs = []
 
     @property
@@ -117,12 +118,14 @@ class Link:
             while carrier.take(now_us):
                 if commands.obey(carrier.decoder, carrier.signed, now_us, self._settings):
                     carrier.heard(now_us)
-                    self._send_to(carrier, self._report.reply(commands), now_us)
+                    self._reply_due = True
         commands.expire(now_us)
         if self._due(now_us, self._hello_us, _HELLO_US) or commands.greeted:
             self._hello(now_us)
         elif listened:
-            size = self._next(now_us, robot)
+            size = self._once() if self._has_room() else 0
+            if not size:
+                size = self._next(now_us, robot)
             if size:
                 self._send(size, now_us)
 
@@ -131,8 +134,33 @@ class Link:
         for carrier in self._carriers:
             carrier.close()
 
+    def _has_room(self):
+        """Whether every carrier takes any message now."""
+        for carrier in self._carriers:
+            if carrier.room() < telemetry.MAX_FRAME:
+                return False
+        return True
+
+    def _once(self):
+        """Compose the next of the messages that are told once and must not be lost; 0 when there is none."""
+        report, commands = self._report, self._commands
+        if self._reply_due:
+            self._reply_due = False
+            return report.reply(commands)
+        if self._logs:
+            level, text = self._logs.pop(0)
+            return report.log(level, text)
+        if self._names_due:
+            self._names_due = False
+            return report.names()
+        if commands.listing >= 0:
+            number = commands.listing
+            commands.listing = number + 1 if number + 1 < len(self._config.live) else -1
+            return report.parameter(self._config, number)
+        return 0
+
     def _next(self, now_us, robot):
-        """Compose the most urgent message that is due; 0 when none is."""
+        """Compose the most urgent of the messages that are told again and again; 0 when none is due."""
         report, commands = self._report, self._commands
         avoid = robot.avoid
         if avoid.decisions != self._decisions:
@@ -154,16 +182,6 @@ class Link:
         if self._due(now_us, self._health_us, _HEALTH_US):
             self._health_us = now_us
             return report.health(robot.health, robot.lidar, self.dropped, commands.refused, self.radio)
-        if self._names_due:
-            self._names_due = False
-            return report.names()
-        if self._logs:
-            level, text = self._logs.pop(0)
-            return report.log(level, text)
-        if commands.listing >= 0:
-            number = commands.listing
-            commands.listing = number + 1 if number + 1 < len(self._config.live) else -1
-            return report.parameter(self._config, number)
         return 0
 
     def _hello(self, now_us):

@@ -94,7 +94,7 @@ class Report:
         """PARAMETER for row `number` of config.live. Allocates."""
         key, _, default, low, high, unit, meaning = config.live[number]
         text = json.dumps(
-            {"key": key, "value": config.get(key), "default": default, "low": low, "high": high, "unit": unit, "meaning": meaning, "number": number}
+            {"key": key, "value": config.get(key), "default": default, "low": low, "high": high, "unit": unit, "meaning": meaning, "number": number, "of": len(config.live)}
         ).encode()
         return self._text(telemetry.PARAMETER, 0, text)
 

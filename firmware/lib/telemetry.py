@@ -28,7 +28,7 @@ Robot to laptop
     06 HEALTH      uptime ms u32, heap free u32 (bytes), worst loop us u32, battery mV u16 (0 unknown), lidar speed u8 (0.05 r/s), flags u8 (bit 0
                    lidar trusted, 1 chips answer, 2 radio on), fault u8, lidar frames u32, check errors u32, speed faults u32, frames of
                    telemetry dropped u32, commands refused u32
-    07 PARAMETER   JSON: key, value, default, low, high, unit, meaning, number (0 ..)
+    07 PARAMETER   JSON: key, value, default, low, high, unit, meaning, number (0 ..), of (how many there are)
     08 LOG         level u8 (0 information, 1 warning, 2 error), UTF-8 text
     09 POSE        time u32, x i32, y i32 (1/256 mm since boot), heading u32 (0.001 deg)
     0A CANDIDATES  time u32, then until the end: AF i16, AR i16, free i16, block x i16, block y i16, chosen u8

@@ -9,7 +9,7 @@ Every dict has `type`; angles are degrees, lengths mm, speeds mm/s or r/s, times
     scan        bearings, distances (mm), times
     health      uptime, heap, worst (ms), battery (V or None), lidar_speed, lidar_ok, chips, radio, fault, frames, errors, speed_faults,
                 dropped, refused
-    parameter   key, value, default, low, high, unit, meaning, number
+    parameter   key, value, default, low, high, unit, meaning, number, of
     log         level, text
     pose        time, x, y, heading: where the robot thinks it is, from where it was switched on
     candidates  time, list of {af, ar, free, block, chosen}

@@ -104,6 +104,9 @@ class Line:
     def announce(self, encoder, size):
         self.announced += 1
 
+    def room(self):
+        return 0 if self.full else 5000
+
     def heard(self, now_us):
         self.valid += 1
 
@@ -207,19 +210,22 @@ def test_stop_stays_stop():
     assert link.state == telemetry.STOPPED
 
 
+def reply_to(link, line, robot, data):
+    """(status, text) of the reply to a command."""
+    line.receive(data)
+    (reply,) = run(link, line, robot, 0, 50_000)[telemetry.REPLY]
+    return reply[5], bytes(reply[6:]).decode()
+
+
 def test_what_cannot_be_is_refused_with_a_text():
     link, line, robot = make()
-    line.receive(drive(5, telemetry.MANUAL, 1000, 0, 120))
-    link.update(0, robot)
-    (reply,) = run(link, line, robot)[telemetry.REPLY]
-    assert struct.unpack_from(telemetry.REPLY_FORMAT, reply) == (5, telemetry.DRIVE, telemetry.REFUSED) and b"AF 1000" in reply
+    status, text = reply_to(link, line, robot, drive(5, telemetry.MANUAL, 1000, 0, 120))
+    assert status == telemetry.REFUSED and "AF 1000" in text
     for payload in (b"\1\0\0\0", b"\1\0\0\0avoid.margin", b"\1\0\0\0avoid.margin=x", b"\1\0\0\0other=1"):
-        line.receive(frame(telemetry.TUNE, payload))
-        link.update(0, robot)
-    line.receive(drive(6, 9) + frame(telemetry.DRIVE, b"\1\0\0\0"))
-    link.update(0, robot)
-    replies = run(link, line, robot)[telemetry.REPLY]
-    assert len(replies) == 6 and all(reply[5] == telemetry.REFUSED for reply in replies)
+        status, text = reply_to(link, line, robot, frame(telemetry.TUNE, payload))
+        assert status == telemetry.REFUSED and text
+    for data in (drive(6, 9), frame(telemetry.DRIVE, b"\1\0\0\0")):
+        assert reply_to(link, line, robot, data)[0] == telemetry.REFUSED
     assert robot.tuned == [] and link.state == telemetry.AUTO
 
 
@@ -245,6 +251,18 @@ def test_scans_on_request():
     (scan,) = run(link, line, robot, 1_000_000, 2_000_000)[telemetry.SCAN]
     assert len(scan) == 16 * (9 + 2 * 38)
     assert struct.unpack_from(telemetry.SCAN_FORMAT, scan) == (77, 0, 37, 38)
+
+
+def test_what_is_told_once_waits_for_room():
+    link, line, robot = make()
+    line.full = True
+    line.receive(frame(telemetry.LIST, b"\4\0\0\0"))
+    link.log(0, "hello")
+    run(link, line, robot)
+    line.full = False
+    kinds = run(link, line, robot, 1_000_000, 1_200_000)
+    assert len(kinds[telemetry.REPLY]) == len(kinds[telemetry.LOG]) == len(kinds[telemetry.NAMES]) == 1
+    assert len(kinds[telemetry.PARAMETER]) == 2
 
 
 def test_log_lines():
