@@ -23,7 +23,7 @@ class Commands:
     watch           bit 0: scans wanted, bit 1: candidates wanted
     greeted         True when HELLO and NAMES are wanted; listing: number of the next PARAMETER wanted, or -1. The sender resets them
     refused         counter of commands that were not obeyed
-    reply_*         counter, kind, status, text of the reply to the last command
+    reply           (counter, type, status, text) of the last command, text as bytes
     """
 
     def __init__(self, session, key=None, state=telemetry.AUTO):
@@ -38,10 +38,7 @@ class Commands:
         self.listing = -1
         self.refused = 0
         self.counter = 0
-        self.reply_counter = 0
-        self.reply_kind = 0
-        self.reply_status = telemetry.OK
-        self.reply_text = b""
+        self.reply = None
         self._heard_us = 0
 
     def expire(self, now_us):
@@ -71,24 +68,20 @@ class Commands:
             return False
         payload = memoryview(data)[start:end]
         counter = struct.unpack_from(telemetry.COUNTER_FORMAT, payload)[0]
-        self.reply_counter = counter
-        self.reply_kind = kind
-        self.reply_text = b""
         if signed and counter <= self.counter:
             # Old or repeated: nothing moves. But a stop never harms.
             self.refused += 1
-            self.reply_status = telemetry.STALE
             if kind == telemetry.DRIVE and len(payload) > 4 and payload[4] == telemetry.STOPPED:
                 self.stop()
             return False
         if signed:
             self.counter = counter
         try:
-            self.reply_status = self._carry_out(kind, payload, now_us, settings)
+            self._carry_out(kind, payload, now_us, settings)
+            self.reply = (counter, kind, telemetry.OK, b"")
         except ValueError as error:
             self.refused += 1
-            self.reply_status = telemetry.REFUSED
-            self.reply_text = str(error).encode()[:200]
+            self.reply = (counter, kind, telemetry.REFUSED, str(error).encode()[:200])
         return True
 
     def _genuine(self, data, start, end):
@@ -120,7 +113,6 @@ class Commands:
             settings.point(wheel, angle)
         elif len(payload) > 4 and payload[4] & 1:
             self.greeted = True
-        return telemetry.OK
 
     def _drive(self, payload, now_us):
         _, what, af, ar, v = _fields(telemetry.DRIVE_FORMAT, payload)

@@ -33,6 +33,7 @@ _POINT_US = const(1500)  # more points come less often
 _HEALTH_US = const(500_000)
 _HELLO_US = const(1_000_000)
 _NAMES_HELLOS = const(8)
+_WAITING = const(6)  # replies and lines of the log kept until there is room
 
 KEY_FILE = "network.key"
 _BOOTS = {1: "power", 2: "reset", 3: "watchdog", 4: "sleep", 5: "restart"}  # machine.reset_cause() of the ESP32
@@ -61,7 +62,7 @@ class Link:
         self._points_of = -1
         self._hellos = 0
         self._names_due = True
-        self._reply_due = False
+        self._replies = []
         self._logs = []
 
     @property
@@ -95,7 +96,7 @@ class Link:
 
     def log(self, level, text):
         """Queue a line for the log: level 0 information, 1 warning, 2 error; text a str. Allocates; not for every loop."""
-        if len(self._logs) < 8:
+        if len(self._logs) < _WAITING:
             self._logs.append((level, text.encode()))
         else:
             self.dropped += 1
@@ -118,7 +119,8 @@ class Link:
             while carrier.take(now_us):
                 if commands.obey(carrier.decoder, carrier.signed, now_us, self._settings):
                     carrier.heard(now_us)
-                    self._reply_due = True
+                    if len(self._replies) < _WAITING:
+                        self._replies.append(commands.reply)
         commands.expire(now_us)
         if self._due(now_us, self._hello_us, _HELLO_US) or commands.greeted:
             self._hello(now_us)
@@ -144,9 +146,8 @@ class Link:
     def _once(self):
         """Compose the next of the messages that are told once and must not be lost; 0 when there is none."""
         report, commands = self._report, self._commands
-        if self._reply_due:
-            self._reply_due = False
-            return report.reply(commands)
+        if self._replies:
+            return report.reply(*self._replies.pop(0))
         if self._logs:
             level, text = self._logs.pop(0)
             return report.log(level, text)

@@ -36,12 +36,10 @@ class Report:
     def names(self):
         return self._text(telemetry.NAMES, 0, self._names)
 
-    def reply(self, commands):
-        """commands: a Commands, whose reply is due."""
-        struct.pack_into(
-            telemetry.REPLY_FORMAT, self._encoder.data, HEADER, commands.reply_counter, commands.reply_kind, commands.reply_status
-        )
-        return self._text(telemetry.REPLY, _REPLY_SIZE, commands.reply_text)
+    def reply(self, counter, kind, status, text):
+        """As in Commands.reply."""
+        struct.pack_into(telemetry.REPLY_FORMAT, self._encoder.data, HEADER, counter, kind, status)
+        return self._text(telemetry.REPLY, _REPLY_SIZE, text)
 
     def log(self, level, text):
         """text: bytes, UTF-8; what does not fit is cut off."""

@@ -32,7 +32,7 @@ Robot to laptop
     08 LOG         level u8 (0 information, 1 warning, 2 error), UTF-8 text
     09 POSE        time u32, x i32, y i32 (1/256 mm since boot), heading u32 (0.001 deg)
     0A CANDIDATES  time u32, then until the end: AF i16, AR i16, free i16, block x i16, block y i16, chosen u8
-    0B REPLY       counter u32 and type u8 of the command, status u8 (OK, REFUSED, STALE, UNKNOWN, BAD), UTF-8 text
+    0B REPLY       counter u32 and type u8 of the command, status u8 (OK, REFUSED), UTF-8 text
     0C NAMES       JSON: reasons, faults (the texts that numbers point into)
 
 Laptop to robot; each payload begins with a counter u32
@@ -93,9 +93,6 @@ MANUAL = const(2)
 
 OK = const(0)
 REFUSED = const(1)
-STALE = const(2)
-UNKNOWN = const(3)
-BAD = const(4)
 
 # struct formats of the fixed parts, as listed above
 DECISION_FORMAT = "<IIBBhhBBBhhhBI"

@@ -35,7 +35,7 @@ compat.install()
 import telemetry  # noqa: E402
 
 STATES = ("stopped", "auto", "manual")
-STATUSES = ("ok", "refused", "stale", "unknown", "bad")
+STATUSES = ("ok", "refused")
 FULL_V256 = 90 * 256
 
 

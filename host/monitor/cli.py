@@ -74,7 +74,7 @@ def _serve(station, options) -> int:
         print(f"port {options.port} cannot be used: {error.strerror}; give another with --port, or 0 for any", file=sys.stderr)
         return 1
     here, *elsewhere = server.addresses
-    print(f"{station.address}: {here}", flush=True)
+    print(f"{station.address} is at {here}", flush=True)
     for other in elsewhere:
         print(f"from a phone or another computer: {other}", flush=True)
     if not options.no_browser:

@@ -11,6 +11,8 @@ from host.recording import Stream
 
 LATEST = ("hello", "names", "world", "health", "decision", "points", "wheels", "pose", "truth", "scan", "candidates", "playback", "ended")
 
+ASK_S, ASKED = 3.0, 10  # how long to wait for the parameters, and how often to ask
+
 
 class Station:
     """One robot watched by any number of listeners.
@@ -45,7 +47,7 @@ class Station:
         threading.Thread(target=self._pump, args=(link,), daemon=True).start()
         self._tell({"type": "connected", "address": address, "commands": link.commands, "recording": self.recording})
         if link.commands:
-            link.list()
+            threading.Thread(target=self._ask, args=(link,), daemon=True).start()
 
     def close(self) -> None:
         """Close the link and a recording that is under way."""
@@ -130,6 +132,20 @@ class Station:
             link.playing = bool(what["playing"])
         if "position" in what:
             link.seek(float(what["position"]))
+
+    def _ask(self, link: Link) -> None:
+        """Ask for the parameters until all are here: a datagram may be lost, and a robot may just be starting."""
+        for _ in range(ASKED):
+            link.list()
+            end = time.monotonic() + ASK_S
+            while time.monotonic() < end and link is self.link:
+                with self._lock:
+                    known = list(self._parameters.values())
+                if known and len(known) == known[0].get("of", 1):
+                    return
+                time.sleep(0.1)
+            if link is not self.link:
+                return
 
     def _pump(self, link: Link) -> None:
         for message in link:

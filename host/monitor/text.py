@@ -74,17 +74,22 @@ def _obey(station: Station, key: str, mode: str) -> None:
         station.command({"do": "drive", "what": "manual", "af": af, "ar": ar, "v": 90 + SPEED * speed})
 
 
+def figures(latest: dict) -> list[str]:
+    """The decision and the health, a line each."""
+    decision, health = latest.get("decision"), latest.get("health")
+    lines = []
+    if decision:
+        steering = f"AF {decision['af']:5.1f}  AR {decision['ar']:5.1f}  V {decision['v']:3}"
+        lines.append(f"{decision['time']:8.2f} s  {decision['state']:7}  {steering}  free {decision['free']:4} mm")
+    if health:
+        battery = "battery not measured" if health["battery"] is None else f"battery {health['battery']:.1f} V"
+        lines.append(f"lidar {health['lidar_speed']:.1f} r/s{'' if health['lidar_ok'] else ' SILENT'}  {battery}")
+    return lines
+
+
 def line(latest: dict) -> str:
     """All that matters in one line, for a log."""
-    decision, health = latest.get("decision"), latest.get("health")
-    parts = []
-    if decision:
-        parts.append(f"{decision['time']:8.2f} s  {decision['state']:7}  AF {decision['af']:5.1f}  AR {decision['ar']:5.1f}  V {decision['v']:3}  free {decision['free']:4}")
-        parts.append(reason(latest))
-    if health:
-        battery = "battery ?" if health["battery"] is None else f"battery {health['battery']:.1f} V"
-        parts.append(f"lidar {health['lidar_speed']:.1f} r/s{'' if health['lidar_ok'] else ' SILENT'}  {battery}")
-    return "  ".join(parts) or "waiting for the robot"
+    return "  ".join([*figures(latest), reason(latest)]).strip() or "waiting for the robot"
 
 
 def reason(latest: dict) -> str:
@@ -106,7 +111,7 @@ def reason(latest: dict) -> str:
 def picture(latest: dict, said: list[str], recording: str | None = None) -> list[str]:
     """The screen as lines."""
     columns, rows = shutil.get_terminal_size((80, 30))
-    out = [line(latest)[: columns - 1], reason(latest)[: columns - 1]]
+    out = [*figures(latest), reason(latest) or "waiting for the robot"]
     wheels = latest.get("wheels")
     if wheels:
         out.append(" ".join(f"{angle:5.0f}" for angle in wheels["angles"]) + "  deg")
@@ -114,7 +119,7 @@ def picture(latest: dict, said: list[str], recording: str | None = None) -> list
     out += chart(latest, columns - 1, max(rows - len(out) - len(said) - 3, 5))
     out += said
     out.append((f"recording {recording}   " if recording else "") + HELP)
-    return out
+    return [row[: columns - 1] for row in out]
 
 
 def chart(latest: dict, columns: int, rows: int) -> list[str]:

@@ -1,0 +1,285 @@
+"""host.monitor without a browser: the station, the server and its key, the terminal."""
+
+import asyncio
+import base64
+import json
+import os
+import socket
+import struct
+import threading
+import time
+import urllib.error
+import urllib.request
+
+import pytest
+
+from host import recording
+from host.link.base import Link
+from host.link.messages import telemetry
+from host.monitor import text
+from host.monitor.server import Server
+from host.monitor.station import Station
+from host.recording import Stream
+
+
+class Bench(Link):
+    """A link to nowhere: remembers what is sent, receives what the test gives."""
+
+    def __init__(self, address):
+        super().__init__(address)
+        self.sent = []
+
+    def _send(self, data):
+        ((kind, _, payload),) = telemetry.decode(data)
+        self.sent.append((kind, payload))
+
+    def drives(self):
+        """(what, AF, AR, V) of each DRIVE that was sent."""
+        return [struct.unpack(telemetry.DRIVE_FORMAT, payload)[1:] for kind, payload in self.sent if kind == telemetry.DRIVE]
+
+
+def decision(number, state=1):
+    packed = struct.pack(telemetry.DECISION_FORMAT, number, number * 100_000, state, 1, -300, 100, 108, 2, 3, 512, 125, 90, 1, 9000)
+    return telemetry.frame(telemetry.DECISION, packed, number)
+
+
+NAMES = telemetry.frame(telemetry.NAMES, b'{"reasons": ["waiting", "steering through the gap"], "faults": ["well", "lidar is silent"]}')
+
+
+@pytest.fixture
+def station(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("host.monitor.station.connect", Bench)
+    station = Station("serial:/dev/bench")
+    yield station
+    station.close()
+
+
+@pytest.fixture
+def server(station):
+    """A server in a thread."""
+    server = Server(station)
+    loop = asyncio.new_event_loop()
+
+    def serve():
+        asyncio.set_event_loop(loop)
+        task = loop.create_task(server.run())
+        try:
+            loop.run_forever()
+        finally:
+            task.cancel()
+            loop.run_until_complete(asyncio.gather(task, return_exceptions=True))
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    yield server
+    loop.call_soon_threadsafe(loop.stop)
+    thread.join()
+    loop.close()
+
+
+class Page:
+    """A page's end of the WebSocket."""
+
+    def __init__(self, server, key=None):
+        self.socket = socket.create_connection(("127.0.0.1", server.port), timeout=3)
+        nonce = base64.b64encode(os.urandom(16)).decode()
+        self.socket.sendall(
+            f"GET /live?key={server.key if key is None else key} HTTP/1.1\r\nHost: here\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            f"Sec-WebSocket-Key: {nonce}\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
+        )
+        self.file = self.socket.makefile("rb")
+        self.status = int(self.file.readline().split()[1])
+        while self.status == 101 and self.file.readline() != b"\r\n":
+            pass
+        self.waiting = []
+
+    def send(self, command):
+        data = json.dumps(command).encode()
+        assert len(data) < 126
+        self.socket.sendall(bytes([0x81, 0x80 | len(data)]) + bytes(4) + data)
+
+    def get(self, kind):
+        """The next message of a type."""
+        while True:
+            while self.waiting:
+                message = self.waiting.pop(0)
+                if message["type"] == kind:
+                    return message
+            size = self.file.read(2)[1]
+            if size == 126:
+                size = int.from_bytes(self.file.read(2), "big")
+            self.waiting += json.loads(self.file.read(size))
+
+    def close(self):
+        self.file.close()
+        self.socket.close()
+
+
+def until(condition, seconds=3.0):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if condition():
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def test_the_page_and_its_parts_are_served(server):
+    for name, kind in (("", "text/html"), ("main.js", "text/javascript"), ("style.css", "text/css")):
+        with urllib.request.urlopen(f"http://127.0.0.1:{server.port}/{name}", timeout=3) as answer:
+            assert answer.headers["Content-Type"].startswith(kind) and len(answer.read()) > 500
+
+
+@pytest.mark.parametrize("path", ["/server.py", "/../server.py", "/%2e%2e/server.py", "/page/../../cli.py", "//etc/passwd"])
+def test_nothing_else_is_served(server, path):
+    with pytest.raises(urllib.error.HTTPError) as refused:
+        urllib.request.urlopen(f"http://127.0.0.1:{server.port}{path}", timeout=3)
+    assert refused.value.code == 404
+
+
+@pytest.mark.parametrize("key", ["", "guess"])
+def test_without_the_key_nobody_drives(server, key):
+    page = Page(server, key)
+    assert page.status == 403
+    page.close()
+
+
+def test_messages_reach_the_page_and_late_pages_too(server, station):
+    station.link._receive(NAMES + decision(5))
+    page = Page(server)
+    assert page.get("connected")["address"] == "serial:/dev/bench"
+    assert page.get("names")["reasons"][1] == "steering through the gap"
+    assert page.get("decision")["number"] == 5
+    station.link._receive(decision(6))
+    assert page.get("decision")["number"] == 6
+    page.close()
+
+
+def test_commands_reach_the_robot(server, station):
+    page = Page(server)
+    page.send({"do": "drive", "what": "manual", "af": -30, "ar": 12.5, "v": 100})
+    page.send({"do": "tune", "key": "avoid.margin", "value": 20})
+    page.send({"do": "point", "wheel": 3, "angle": -4})
+    page.send({"do": "drive", "what": "auto"})
+    assert until(lambda: len(station.link.sent) >= 5)  # LIST came first
+    assert station.link.drives() == [(telemetry.MANUAL, -300, 125, 100), (telemetry.AUTO, 0, 0, 90)]
+    kinds = [kind for kind, _ in station.link.sent]
+    assert kinds == [telemetry.LIST, telemetry.DRIVE, telemetry.TUNE, telemetry.POINT, telemetry.DRIVE]
+    page.close()
+
+
+@pytest.mark.parametrize(
+    "command", [{"do": "drive"}, {"do": "drive", "what": "manual", "af": "x"}, {"do": "fly"}, {"do": "drive", "what": "manual", "v": 999}, {}, {"do": "play"}]
+)
+def test_what_cannot_be_done_is_said(server, station, command):
+    page = Page(server)
+    page.send(command)
+    assert page.get("refused")["text"]
+    assert station.link.drives() == []
+    page.close()
+
+
+def test_a_closed_page_stops_a_robot_driven_by_hand(server, station):
+    page = Page(server)
+    page.send({"do": "drive", "what": "manual", "v": 100})
+    assert until(lambda: station.link.drives())
+    began = time.monotonic()
+    page.close()
+    assert until(lambda: station.link.drives()[-1][0] == telemetry.STOPPED)
+    assert time.monotonic() - began < 0.3
+
+
+def test_a_closed_page_leaves_a_robot_alone_that_drives_itself(server, station):
+    page = Page(server)
+    page.send({"do": "drive", "what": "auto"})
+    assert until(lambda: station.link.drives())
+    page.close()
+    time.sleep(0.2)
+    assert station.link.drives() == [(telemetry.AUTO, 0, 0, 90)]
+
+
+def test_what_goes_over_the_link_is_recorded(server, station):
+    station.link._receive(NAMES)
+    page = Page(server)
+    page.get("names")
+    page.send({"do": "record"})
+    path = page.get("recording")["path"]
+    station.link._receive(decision(5))
+    page.send({"do": "drive", "what": "stop"})
+    assert until(lambda: station.link.drives())
+    page.send({"do": "end_recording"})
+    assert page.get("recording")["path"] is None
+    page.close()
+    reader = recording.Reader(path)
+    assert reader.header.reasons == ("waiting", "steering through the gap") and reader.header.clock == "host"
+    assert [record.data for record in reader.stream(Stream.TELEMETRY)] == [decision(5)]
+    assert [telemetry.decode(record.data)[0][0] for record in reader.stream(Stream.COMMAND)] == [telemetry.DRIVE]
+    assert reader.cut is None
+
+
+def test_another_robot_can_be_opened(server, station):
+    page = Page(server)
+    page.get("connected")
+    page.send({"do": "open", "address": "serial:/dev/other"})
+    assert page.get("connected")["address"] == "serial:/dev/other"
+    page.close()
+
+
+def test_the_port_is_said_to_be_taken(server, capsys, monkeypatch):
+    from host.monitor import cli
+
+    monkeypatch.setattr("host.monitor.station.connect", Bench)
+    assert cli.main(["serial:/dev/bench", "--no-browser", "--port", str(server.port)]) == 1
+    assert "another with --port" in capsys.readouterr().err
+
+
+def test_bad_arguments(capsys):
+    from host.monitor import cli
+
+    assert cli.main(["robot"]) == 2 and "serial:" in capsys.readouterr().err
+    assert cli.main(["serial:/dev/no-such-port"]) == 1 and "plugged in" in capsys.readouterr().err
+
+
+def test_without_a_robot_the_twin_is_offered(monkeypatch, capsys):
+    from host.link import discover
+    from host.monitor import cli
+
+    monkeypatch.setattr(discover, "boards", lambda: [])
+    monkeypatch.setattr(discover, "robots", lambda: [])
+    assert cli.main([]) == 1 and "python -m host.monitor 'twin:z" in capsys.readouterr().err
+    monkeypatch.setattr(discover, "robots", lambda: [("udp:10.0.0.7", {})])
+    assert cli.find() == "udp:10.0.0.7"
+    monkeypatch.setattr(discover, "boards", lambda: ["serial:/dev/ttyUSB0"])
+    assert cli.find() == "serial:/dev/ttyUSB0"
+
+
+LATEST = {
+    "hello": {"width": 250, "length": 600},
+    "names": {"reasons": ["waiting", "steering through the gap"], "faults": ["well", "lidar is silent"]},
+    "decision": {"time": 1.5, "state": "auto", "af": -30.0, "ar": 10.0, "v": 108, "free": 512, "why": 1, "window": 2, "zone": 3, "block": [125, 90]},
+    "points": {"x": [200, -300], "y": [400, 0], "window": [4, 0]},
+    "wheels": {"angles": [-12.3, 4.0], "speeds": [256.0, -3.0]},
+    "health": {"fault": 0, "battery": 7.4, "lidar_speed": 6.6, "lidar_ok": True},
+}
+
+
+def test_terminal_shows_map_figures_and_reason():
+    screen = "\n".join(text.picture(LATEST, ["battery low"]))
+    for part in ("AF -30.0", "free  512", "steering through the gap (red, zone 3)", "X", "Y", "^", "battery low", "space stop", "-12", "7.4 V"):
+        assert part in screen, part
+
+
+def test_terminal_tells_faults_and_states():
+    assert text.reason({**LATEST, "health": {**LATEST["health"], "fault": 1}}) == "lidar is silent"
+    assert text.reason({**LATEST, "decision": {**LATEST["decision"], "state": "manual"}}) == "driven by hand"
+    assert text.line({}) == "waiting for the robot"
+
+
+def test_terminal_keys_drive(station):
+    for key, mode in ((" ", "1"), ("a", "1"), ("\x1b[A", "1"), ("\x1b[D", "1"), ("\x1b[C", "4"), ("\x1b[C", "5"), ("x", "1")):
+        text._obey(station, key, mode)
+    assert station.link.drives() == [
+        (telemetry.STOPPED, 0, 0, 90), (telemetry.AUTO, 0, 0, 90), (telemetry.MANUAL, 0, 0, 105), (telemetry.MANUAL, -600, 600, 90),
+        (telemetry.MANUAL, 900, -900, 105), (telemetry.MANUAL, 900, 900, 105),
+    ]  # fmt: skip

@@ -1,0 +1,210 @@
+"""The monitor's page in a real browser, headless, with the twin behind it.
+
+Needs Debian's chromium and chromium-driver; without them these tests are left out, and say so. With SCREENSHOTS=FOLDER in the environment
+the pictures of the page are kept there (`make screenshots` puts them into docs/).
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from host import recording
+
+ROOT = Path(__file__).resolve().parents[2]
+BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+pytestmark = pytest.mark.skipif(
+    not (BROWSER and DRIVER), reason="left out: the monitor's page in a real browser; to get it: apt install chromium chromium-driver"
+)
+FLAGS = (
+    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-background-networking", "--disable-component-update",
+    "--disable-sync", "--no-first-run", "--hide-scrollbars",
+)  # fmt: skip
+NUMBER = re.compile(r"-?\d+")
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    webdriver = pytest.importorskip("selenium.webdriver")
+    from selenium.webdriver.chrome.service import Service
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = BROWSER
+    for flag in (*FLAGS, "--window-size=1500,1420", f"--user-data-dir={tmp_path_factory.mktemp('browser')}"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+    yield driver
+    driver.quit()
+
+
+class Monitor:
+    """A monitor in a process of its own, as a person starts it, with its page open."""
+
+    def __init__(self, browser, address, *options):
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "host.monitor", address, "--no-browser", *options], stdout=subprocess.PIPE, text=True, cwd=ROOT
+        )
+        self.url = self.process.stdout.readline().split()[-1]
+        self.browser = browser
+        browser.get(self.url)
+
+    def close(self):
+        problems = [entry["message"] for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"]
+        self.browser.get("about:blank")
+        self.process.terminate()
+        self.process.wait(10)
+        assert problems == []
+
+    def text(self, name):
+        return self.browser.find_element("id", name).text
+
+    def click(self, name):
+        element = self.browser.find_element("id", name)
+        self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", element)
+        element.click()
+
+    def until(self, condition, seconds=20.0):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if condition():
+                return True
+            time.sleep(0.05)
+        return False
+
+    def speeds(self):
+        """mm/s of each wheel, as the dials say."""
+        texts = self.browser.execute_script("return [...document.querySelectorAll('#dials output')].map((one) => one.textContent)")
+        return [int(text.split()[-2]) for text in texts]
+
+    def place(self):
+        """x, y (mm) and heading of the robot, as the page says."""
+        return tuple(int(number) for number in NUMBER.findall(self.text("place"))[:3])
+
+    def picture(self, name):
+        """Fingerprint of what is drawn on a canvas."""
+        return self.browser.execute_script("return document.getElementById(arguments[0]).toDataURL()", name)
+
+    def colours(self, name):
+        """How many different colours are on a canvas."""
+        script = """const canvas = document.getElementById(arguments[0]);
+            const data = new Uint32Array(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.buffer);
+            return new Set(data).size"""
+        return self.browser.execute_script(script, name)
+
+    def press(self, key, kind="keydown"):
+        """A key event, as when it is held: selenium can only press and let go."""
+        script = "document.body.dispatchEvent(new KeyboardEvent(arguments[1], {code: arguments[0], bubbles: true, cancelable: true}))"
+        self.browser.execute_script(script, key, kind)
+
+    def keep_screenshot(self, name):
+        folder = os.environ.get("SCREENSHOTS")
+        if folder:
+            self.browser.execute_script("scrollTo(0, 0)")
+            Path(folder).mkdir(parents=True, exist_ok=True)
+            self.browser.save_screenshot(str(Path(folder) / name))
+
+
+@pytest.fixture
+def monitor(browser):
+    """Callable that starts a monitor; all are closed at the end."""
+    started = []
+
+    def start(*arguments):
+        started.append(Monitor(browser, *arguments))
+        return started[-1]
+
+    yield start
+    for one in started:
+        one.close()
+
+
+def test_the_robot_is_seen_to_drive_and_stop_stops_it(monitor):
+    page = monitor("twin:z?width=620")
+    assert page.until(lambda: page.text("state") == "auto")
+    assert page.until(lambda: page.speeds() and max(page.speeds()) > 100)
+    assert page.colours("map") > 20 and page.colours("world") > 5 and page.colours("charts") > 10
+    first, before = page.picture("map"), page.place()
+    assert page.until(lambda: page.picture("map") != first and page.place()[:2] != before[:2])
+    time.sleep(3)
+    assert page.text("reason")
+    page.keep_screenshot("monitor.png")
+    page.click("stop")
+    assert page.until(lambda: page.text("state") == "stopped" and max(map(abs, page.speeds())) == 0, 2)
+    time.sleep(0.5)
+    stands = page.place()
+    time.sleep(0.7)
+    assert page.place() == stands
+    page.click("auto")
+    assert page.until(lambda: page.text("state") == "auto" and page.place()[:2] != stands[:2])
+
+
+def test_driving_by_hand_lasts_as_long_as_the_key_is_held(monitor):
+    page = monitor("twin:random?seed=3")
+    assert page.until(lambda: page.speeds())
+    page.press("Space")
+    assert page.until(lambda: page.text("state") == "stopped")
+    page.press("Digit5")
+    page.press("ArrowUp")
+    assert page.until(lambda: page.text("state") == "manual" and max(page.speeds()) > 50)
+    page.press("ArrowUp", "keyup")
+    assert page.until(lambda: max(map(abs, page.speeds())) == 0, 2)
+    page.press("ArrowUp")
+    assert page.until(lambda: max(page.speeds()) > 50)
+    page.browser.get("about:blank")  # the page is lost with the key held down
+    began = time.monotonic()
+    page.browser.get(page.url)
+    assert page.until(lambda: page.speeds() and max(map(abs, page.speeds())) == 0 and page.text("state") == "stopped", 5), time.monotonic() - began
+
+
+def test_a_parameter_is_tuned_and_comes_back_from_the_robot(monitor):
+    page = monitor("twin:z?width=620")
+    assert page.until(lambda: page.browser.find_elements("id", "parameter-avoid.margin"))
+    field = page.browser.find_element("id", "parameter-avoid.margin")
+    before = field.get_attribute("value")
+    page.browser.execute_script("arguments[0].value = 22; arguments[0].dispatchEvent(new Event('input'))", field)
+    changed = "return document.getElementById('parameter-avoid.margin').closest('.parameter').classList.contains('changed')"
+    assert before != "22" and page.until(lambda: page.browser.execute_script(changed))
+
+
+def test_a_drive_is_recorded_and_replayed(monitor, tmp_path):
+    path = tmp_path / "drive.rec"
+    page = monitor("twin:z?width=620", "--record", str(path))
+    assert page.until(lambda: page.text("place"))
+    time.sleep(3)
+    page.process.terminate()
+    page.process.wait(10)
+    assert any(record.stream == recording.Stream.LIDAR for record in recording.Reader(path))
+    page.browser.get("about:blank")
+    page.browser.get_log("browser")
+
+    page = monitor(f"file:{path}")
+    assert page.until(lambda: page.browser.find_element("id", "player").is_displayed() and page.text("place"))
+    assert page.until(lambda: page.browser.find_element("id", "play").text == "Play")
+    end = page.place()
+    page.browser.execute_script("const one = document.getElementById('position'); one.value = 0.5; one.dispatchEvent(new Event('input'))")
+    assert page.until(lambda: page.place() != end and page.text("clock").startswith("0:00.5"))
+    assert not page.browser.find_element("id", "stop").is_enabled()
+
+
+def test_it_fits_a_phone(monitor):
+    page = monitor("twin:z?width=620")
+    page.browser.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
+    )
+    try:
+        assert page.until(lambda: page.text("state") == "auto" and page.speeds() and max(page.speeds()) > 100)
+        assert page.browser.execute_script("return document.documentElement.scrollWidth <= innerWidth")
+        stop = page.browser.execute_script("return document.getElementById('stop').getBoundingClientRect().toJSON()")
+        assert stop["bottom"] <= 844 and stop["height"] >= 44 and stop["width"] >= 100
+        page.keep_screenshot("monitor-phone.png")
+        page.browser.execute_script("scrollTo(0, 99999)")
+        page.browser.find_element("id", "stop").click()
+        assert page.until(lambda: page.text("state") == "stopped")
+    finally:
+        page.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
