@@ -1,0 +1,60 @@
+"""python -m host.export FILE OUT.mcap|OUT.csv
+
+Turns a recording into a file for Foxglove (MCAP) or a table (CSV).
+
+Exit status: 0 done; 1 the recording was cut off, and what is before the cut was exported; 2 nothing was exported.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from host.recording import Reader, RecordingError
+
+from . import ExportError
+
+WHOLE, CUT, FAILED = 0, 1, 2
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    options = _parser().parse_args(argv)
+    try:
+        reader = Reader(options.file)
+        count, things = _export(reader, options.out)
+    except (RecordingError, ExportError) as error:
+        print(f"python -m host.export: {error}", file=sys.stderr)
+        return FAILED
+    except OSError as error:
+        print(f"python -m host.export: cannot write {options.out}: {error.strerror}; choose a folder you may write to", file=sys.stderr)
+        return FAILED
+    print(f"{options.out}: {count} {things}")
+    if reader.cut:
+        print(f"the recording is {reader.cut}; what is before that was exported")
+    return CUT if reader.cut else WHOLE
+
+
+def _export(reader: Reader, out: Path) -> tuple[int, str]:
+    if out.suffix == ".csv":
+        from .to_csv import export
+
+        return export(reader, out), "decisions"
+    if out.suffix == ".mcap":
+        from .to_mcap import export
+
+        return export(reader, out), "messages"
+    raise ExportError(f"{out}: the name must end in .mcap (for Foxglove) or .csv (a table)")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m host.export", description="Turn a recording into a file that other programs open.",
+        epilog="exit status: 0 done, 1 the recording was cut off (what is before the cut was exported), 2 nothing was exported",
+    )  # fmt: skip
+    parser.add_argument("file", metavar="FILE", help="recording")
+    parser.add_argument("out", metavar="OUT", type=Path, help="file to write: .mcap opens in Foxglove, .csv in a spreadsheet")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+"""Recorded lidar bytes -> whole revolutions, through the firmware's own parser."""
+
+import json
+from dataclasses import dataclass, field
+from typing import Iterator
+
+from host import compat
+from host.recording import Record
+
+compat.install()
+
+from config import Config  # noqa: E402
+from lidar import Lidar  # noqa: E402
+
+QUARTER_MM = 0.25
+
+
+@dataclass
+class Scan:
+    """One revolution. bearings: degrees, body frame. distances: mm, 0 where nothing came back. signals: 0..255."""
+
+    bearings: list[float] = field(default_factory=list)
+    distances: list[float] = field(default_factory=list)
+    signals: list[int] = field(default_factory=list)
+
+
+class _Wire:
+    """Recorded bytes as the UART the parser reads."""
+
+    def __init__(self):
+        self.waiting = b""
+
+    def any(self) -> int:
+        return len(self.waiting)
+
+    def readinto(self, buffer) -> int:
+        count = min(len(buffer), len(self.waiting))
+        buffer[:count] = self.waiting[:count]
+        self.waiting = self.waiting[count:]
+        return count
+
+
+class ScanReader:
+    """Gathers frames into revolutions. robot: text of robot.json, which says where the lidar's zero is and how it turns."""
+
+    def __init__(self, robot: str):
+        config = Config(json.loads(robot))
+        self._wire = _Wire()
+        self._lidar = Lidar(self._wire, None, config)
+        self._frames = config.lidar_frames
+        self._scan = Scan()
+        self._count = 0
+
+    def take(self, record: Record) -> Iterator[Scan]:
+        """The revolutions that a lidar record completes."""
+        self._wire.waiting += record.data
+        lidar = self._lidar
+        while lidar.poll(record.time_us & 0x3FFFFFFF):
+            scan = self._scan
+            scan.bearings += [bearing / 10 for bearing in lidar.bearings[: lidar.n]]
+            scan.distances += [distance * QUARTER_MM for distance in lidar.distances[: lidar.n]]
+            scan.signals += lidar.signals[: lidar.n]
+            self._count += 1
+            if self._count == self._frames:
+                yield scan
+                self._scan, self._count = Scan(), 0
+
+
+def evenly(scan: Scan) -> tuple[list[float], list[float]]:
+    """(distances in m, signals) in as many even steps as there are points, from -pi counter-clockwise; infinite where nothing came back.
+
+    The schema of a scan knows only even steps, while the number of points of the lidar's frames changes with its speed.
+    """
+    count = len(scan.bearings)
+    ranges = [float("inf")] * count
+    signals = [0.0] * count
+    for bearing, distance, signal in zip(scan.bearings, scan.distances, scan.signals):
+        place = round((180 - bearing) * count / 360) % count
+        if distance and distance / 1000 < ranges[place]:
+            ranges[place] = distance / 1000
+            signals[place] = float(signal)
+    return ranges, signals

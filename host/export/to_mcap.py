@@ -1,0 +1,120 @@
+"""A recording as MCAP, with the schemas Foxglove knows.
+
+    topic          schema                    content
+    /scan          foxglove.LaserScan        one revolution, in the frame `body`
+    /pose          foxglove.PoseInFrame      where the robot really was (recordings of the twin), in the frame `world`
+    /odometry      foxglove.PoseInFrame      where it thought it was, in the frame `odometry`
+    /tf            foxglove.FrameTransform   world -> body, from the true pose; without one, from the odometry
+    /points        foxglove.PointCloud       the points of the windows, each in its window's colour
+    /scene         foxglove.SceneUpdate      the body, and the walls of a course of the twin
+    /decision      gapseeker.decision        JSON, for plots: af, ar (deg), v, window, zone, free (mm), why in words, ...
+    /wheels        gapseeker.wheels          JSON: ten angles (deg) and speeds (mm/s)
+    /health        gapseeker.health          JSON
+    /log           foxglove.Log              events and what the robot logged
+
+Times are those of the recording, from 0. robot.json is an attachment; where the recording comes from is metadata.
+"""
+
+import json
+from pathlib import Path
+from typing import Callable
+
+from host.recording import Reader, Stream
+
+from . import shapes
+from .scans import Scan, ScanReader, evenly
+from .timeline import timeline, word
+from .topics import Topics
+
+
+class Exporter:
+    """Puts the scans and messages of a recording on their topics.
+
+    robot: robot.json as a dict. reasons: texts of a decision's `why`.
+    """
+
+    def __init__(self, topics: Topics, robot: dict, reasons: tuple[str, ...]):
+        self._topics = topics
+        self._lidar = robot.get("lidar", {})
+        self._reasons = reasons
+        self._truth_known = False
+        self._takers: dict[str, Callable] = {
+            "truth": self._truth, "pose": self._odometry, "points": self._points, "scan": self._told_scan, "decision": self._decision,
+            "wheels": self._numbers, "health": self._numbers, "event": self._event, "text": self._event, "log": self._log,
+            "world": self._world, "hello": self._hello, "names": self._names,
+        }  # fmt: skip
+
+    def message(self, moment: float, message: dict) -> None:
+        """One message at `moment` s; one of a type that has no topic is left out."""
+        taker = self._takers.get(message["type"])
+        if taker:
+            taker(moment, message)
+
+    def scan(self, moment: float, scan: Scan) -> None:
+        """One revolution."""
+        ranges, signals = evenly(scan)
+        self._topics.write("/scan", moment, shapes.laser_scan(ranges, signals, self._lidar.get("x", 0), self._lidar.get("y", 0)))
+
+    def body(self, moment: float, width: float, length: float) -> None:
+        """The size of the body, mm."""
+        self._topics.write("/scene", moment, shapes.body(width, length))
+
+    def _truth(self, moment, message):
+        self._truth_known = True
+        where = message["x"], message["y"], message["heading"]
+        self._topics.write("/pose", moment, shapes.pose("world", *where))
+        self._topics.write("/tf", moment, shapes.transform("world", *where))
+
+    def _odometry(self, moment, message):
+        where = message["x"], message["y"], message["heading"]
+        self._topics.write("/odometry", moment, shapes.pose("odometry", *where))
+        if not self._truth_known:
+            self._topics.write("/tf", moment, shapes.transform("odometry", *where))
+
+    def _points(self, moment, message):
+        self._topics.write("/points", moment, shapes.points(message["x"], message["y"], message["window"]))
+
+    def _told_scan(self, moment, message):
+        self.scan(moment, Scan(message["bearings"], message["distances"], [0] * len(message["bearings"])))
+
+    def _decision(self, moment, message):
+        number = message["why"]
+        self._topics.write_json("decision", moment, {**message, "why": word(self._reasons, number), "why_number": number})
+
+    def _numbers(self, moment, message):
+        self._topics.write_json(message["type"], moment, message)
+
+    def _event(self, moment, message):
+        self._topics.write("/log", moment, shapes.log(0, message["text"]))
+
+    def _log(self, moment, message):
+        self._topics.write("/log", moment, shapes.log(message["level"], message["text"]))
+
+    def _world(self, moment, message):
+        self._topics.write("/scene", moment, shapes.walls(message["walls"]))
+
+    def _hello(self, moment, message):
+        self.body(moment, message["width"], message["length"])
+
+    def _names(self, moment, message):
+        self._reasons = tuple(message["reasons"])
+
+
+def export(reader: Reader, target: Path) -> int:
+    """Write the whole recording; returns the number of messages."""
+    header = reader.header
+    robot = json.loads(header.robot)
+    with open(target, "wb") as file:
+        topics = Topics(file)
+        topics.describe({"source": header.source, "firmware": header.firmware, "clock": header.clock}, {"robot.json": header.robot.encode()})
+        exporter = Exporter(topics, robot, header.reasons)
+        size = robot.get("robot", {})
+        exporter.body(0, size.get("width", 250), size.get("length", 600))
+        scans = ScanReader(header.robot)
+        for record in reader.stream(Stream.LIDAR):
+            for scan in scans.take(record):
+                exporter.scan(record.time_us / 1e6, scan)
+        for moment, message in timeline(reader):
+            exporter.message(moment, message)
+        topics.finish()
+        return topics.count
