@@ -9,27 +9,42 @@ import machine
 
 import config as configuration
 from drive import Drive
+from health import Health
 from lidar import Lidar
+from link import start_link
 from pca9685 import PCA9685
 from robot import Robot
+from settings import Settings
 from steering import Steering
 
 
 def build(config):
     """Hand the buses and pins to the parts. Everything that moves is off until the first decision."""
-    enable = machine.Pin(config.pins_output_enable, machine.Pin.OUT, value=1)
-    i2c = machine.I2C(
-        config.i2c_bus, scl=machine.Pin(config.i2c_scl), sda=machine.Pin(config.i2c_sda), freq=config.i2c_frequency
-    )
+    pin = machine.Pin
+    enable = pin(config.pins_output_enable, pin.OUT, value=1)
+    i2c = machine.I2C(config.i2c_bus, scl=pin(config.i2c_scl), sda=pin(config.i2c_sda), freq=config.i2c_frequency)
     servos = PCA9685(i2c, config.servos_address, config.servos_frequency, config.servos_oscillator)
     left = PCA9685(i2c, config.motors_left, config.motors_frequency, config.motors_oscillator)
     right = PCA9685(i2c, config.motors_right, config.motors_frequency, config.motors_oscillator)
     drive = Drive(Steering(config.axles_spacings, config.axles_track, config.axles_first), servos, left, right, enable, config)
+    # timeout_char=1 spares an interrupt per byte
     uart = machine.UART(config.lidar_uart, config.lidar_baud, rx=config.lidar_rx, rxbuf=config.lidar_rxbuf, timeout=0, timeout_char=1)
     motor = None
     if config.lidar_motor_pin is not None:
-        motor = machine.PWM(machine.Pin(config.lidar_motor_pin), freq=config.lidar_motor_frequency, duty_u16=0)
-    return Robot(config, Lidar(uart, motor, config), drive)
+        motor = machine.PWM(pin(config.lidar_motor_pin), freq=config.lidar_motor_frequency, duty_u16=0)
+    lidar = Lidar(uart, motor, config)
+    button = adc = screen = None
+    if config.pins_stop_button is not None:
+        button = pin(config.pins_stop_button, pin.IN, pin.PULL_UP)
+    if config.pins_battery is not None:
+        adc = machine.ADC(pin(config.pins_battery))
+    health = Health(lidar, drive, button, adc, config)
+    if config.screen_kind != "none":
+        from screen import Screen
+
+        line = machine.UART(config.screen_uart, config.screen_baud, tx=config.screen_tx, rx=config.screen_rx, txbuf=256, timeout=0)
+        screen = Screen(line, config.screen_kind, config.screen_baud)
+    return Robot(config, lidar, drive, health, start_link(config, Settings(config, drive), machine), screen)
 
 
 try:

@@ -24,7 +24,7 @@ from surroundings import Surroundings
 from trig import cos14, sin14
 from windows import GREEN, NO_ZONE, Windows
 
-_POINTS = const(448)
+_POINTS = const(384)
 _NODES = const(10)
 _NOTHING = const(65535)
 _NO_POINT = const(32767)
@@ -165,11 +165,8 @@ class Avoid:
         size = 2 * _POINTS
         self._x = array("H", bytes(size))
         self._y = array("H", bytes(size))
-        self._mx = array("H", bytes(size))
-        self._my = array("H", bytes(size))
         self._nx = array("H", bytes(size))  # points as seen from a node
         self._ny = array("H", bytes(size))
-        self._nmx = array("H", bytes(size))
         count = env.count
         self.free_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
         self.soft_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
@@ -180,7 +177,7 @@ class Avoid:
         self._block2 = array("H", bytes(2 * count))
         self._score2 = array("H", bytes(2 * count * LENGTHS))
         self._sweep = array("i", [0] * JOB_FIELDS)
-        self._ends_job = array("i", [0] * 13)
+        self._ends_job = array("i", [0] * 11)
         self._weigh_job = array("i", [0] * 10)
         self._node_variant = bytearray(_NODES)
         self._node_at = array("H", bytes(2 * _NODES))
@@ -204,6 +201,8 @@ class Avoid:
         self._second_variant = 0
         self._second_length = 0
         self._ready = 0
+        self._watched = 0
+        self._urgent = 0
         self.reset_decision()
         self.decisions = 0
         self.configure()
@@ -233,26 +232,51 @@ class Avoid:
 
     # ---- lidar frames
 
-    def frame(self, lidar, odometry, now_us):
+    def frame(self, lidar, odometry):
         """Take in one measurement frame."""
-        self.points.frame(lidar, odometry, now_us)
+        self.points.frame(lidar, odometry)
         self.field.follow(odometry)
         self._ready += 1
 
-    def guard(self, odometry):
-        """True if the way being driven is still free far enough to stop in. Looks at every frame."""
+    def guard(self, odometry, speed):
+        """Look at every frame: True, and v = 90, when the way being driven is no longer free as far as it takes to stop at `speed` mm/s."""
         self._look(odometry)
         free = self._current_free()
         self.free = free
-        return free
+        # What rolls out in the motors' time constant, and a little.
+        if free >= speed // 12:
+            return False
+        self.v = 90
+        self.why = reasons.BLOCKED
+        self._urgent = self.windows.sort(self._x, self._y, self._n)
+        self._plan = 0
+        self._stage = _IDLE
+        self._tell()
+        return True
+
+    def watch(self, odometry, why, af, ar, v):
+        """Somebody else decides: keep the points and windows up to date, and say why."""
+        self._look(odometry)
+        self._urgent = self.windows.sort(self._x, self._y, self._n)
+        self._plan = 0
+        self._stage = _FIELD
+        self.af = af
+        self.ar = ar
+        self.v = v
+        self.why = why
+        self.free = 0
+        self.block_x = _NO_POINT
+        self.block_y = _NO_POINT
+        self._watched += 1
+        if self._watched >= 8:
+            self._watched = 0
+            self._tell()
 
     def _look(self, odometry):
         env = self.envelopes
         n = self.points.view(odometry, self._x, self._y, self.look_ahead + env.half_length)
         self._near = sort_near(self._x, self._y, n, env.half_width, env.half_length, env.soft + _BAND)
         self._n = n
-        mirror(self._x, self._mx, n)
-        mirror(self._y, self._my, n)
 
     def _current_free(self):
         k = self._k
@@ -262,11 +286,17 @@ class Avoid:
 
     def _run(self, variant, first, last, stride, floor):
         """Sweep candidates first..last-1 in one variant."""
-        env = self.envelopes
-        px = self._mx if variant & 1 else self._x
-        py = self._my if variant & 2 else self._y
-        self._sweep_on(px, py, self._n, self._near, first, last, stride, floor, self.free_of[variant],
+        n = self._n
+        if variant & 1:
+            mirror(self._x, n)
+        if variant & 2:
+            mirror(self._y, n)
+        self._sweep_on(self._x, self._y, n, self._near, first, last, stride, floor, self.free_of[variant],
                        self.soft_of[variant], self.block_of[variant])
+        if variant & 1:
+            mirror(self._x, n)
+        if variant & 2:
+            mirror(self._y, n)
 
     def _sweep_on(self, px, py, n, near, first, last, stride, floor, free, soft, block):
         env = self.envelopes
@@ -309,8 +339,7 @@ class Avoid:
         job[2] = sin14(a + heading) + 16384
         job[3] = cos14(a + heading) + 16384
         job[6] = field.cell
-        job[10] = field.unit
-        job[11] = a + heading
+        job[10] = a + heading
 
     def _worth(self, variant, free, soft, score, first, last, stride, af, ar, extra):
         env = self.envelopes
@@ -320,7 +349,7 @@ class Avoid:
         job[7] = first
         job[8] = last
         job[9] = stride
-        score_ends(self.field.use, env.ends, env.turns, free, env.lengths, score, job)
+        score_ends(self.field.cost, env.ends, env.turns, free, env.lengths, score, job)
         job = self._weigh_job
         job[0] = first
         job[1] = last
@@ -340,7 +369,7 @@ class Avoid:
 
     # ---- the decision, slice by slice
 
-    def work(self, now_us, odometry, drive):
+    def work(self, odometry):
         """One slice. Returns True when a decision has just been made (af, ar, v and the rest hold it)."""
         if self.config.changes != self._changes:
             self.configure()
@@ -359,7 +388,7 @@ class Avoid:
                 return False
             self._begin(odometry)
             if self._plan and self._follow(odometry):
-                return self._publish(drive)
+                return self._publish()
             self._stage = _RIGHT
             return False
         env = self.envelopes
@@ -373,7 +402,7 @@ class Avoid:
                 self._worth(v, self.free_of[v], self.soft_of[v], self._score[v], 0, env.count, 1, self.af, self.ar, 0)
             if self._choose_one(odometry):
                 self._stage = _IDLE
-                return self._publish(drive)
+                return self._publish()
             self._stage = _BACK_RIGHT
             return False
         if stage == _BACK_RIGHT or stage == _BACK_LEFT:
@@ -395,7 +424,7 @@ class Avoid:
             return False
         self._stage = _IDLE
         self._settle(odometry)
-        return self._publish(drive)
+        return self._publish()
 
     def _worth_waiting(self, odometry):
         """Whether the field in use still fits: the robot has hardly moved since and it is not old."""
@@ -504,7 +533,6 @@ class Avoid:
             turn = -turn
         n = move(self._x, self._y, self._n, x, y, sin14(turn), cos14(turn), self.look_ahead + env.half_length, self._nx, self._ny)
         near = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.soft + _BAND)
-        mirror(self._nx, self._nmx, n)
         self._grid(odometry, x, y, turn)
         first_af = self.af
         a = env.af[k]
@@ -517,10 +545,11 @@ class Avoid:
             a, r = r, a
         # The second move's score replaces the cost of the pose where the first ends.
         job = self._ends_job
-        base = self._node_score[self._node] - self.field.at(job[0] + self.field.corner_x, job[1] + self.field.corner_y, job[11])
+        base = self._node_score[self._node] - self.field.at(job[0] + self.field.corner_x, job[1] + self.field.corner_y, job[10])
         for second in (0, 1):
-            self._sweep_on(self._nmx if second else self._nx, self._ny, n, near, 0, env.count, 2, env.lengths[1], self._free2, self._soft2, self._block2)
-            stride = 2
+            if second:
+                mirror(self._nx, n)
+            self._sweep_on(self._nx, self._ny, n, near, 0, env.count, 2, env.lengths[1], self._free2, self._soft2, self._block2)
             self._worth(second, self._free2, self._soft2, self._score2, 0, env.arcs, 2, a, r, 60)
             self._worth(second, self._free2, self._soft2, self._score2, env.arcs, env.count, 1, a, r, 60)
             b = _best(self._score2, 0, env.arcs, 2)
@@ -605,7 +634,7 @@ class Avoid:
         self._limit = left
         return True
 
-    def _publish(self, drive):
+    def _publish(self):
         """Speed, mode and blocking point of the chosen steering."""
         env = self.envelopes
         v = self._variant
@@ -632,28 +661,20 @@ class Avoid:
         else:
             self.block_x = self._x[b] - 8192
             self.block_y = self._y[b] - 8192
+        self._tell()
+        return True
+
+    def _tell(self):
+        """Count the decision and lay out what belongs to it for those who look on."""
         w = self._urgent
         self.window = w
         self.zone = self.windows.zone(w) if w else NO_ZONE
         self.mode = _mode(self.af, self.ar)
         self.decisions += 1
-        self._show()
-        return True
-
-    def halt(self, why):
-        """Something new stands in the way: stop now, decide afresh."""
-        self.v = 90
-        self.why = why
-        self._plan = 0
-        self._stage = _IDLE
-        self.decisions += 1
-
-    def _show(self):
         n = self._n
         _unbias(self._x, self.points_x, n)
         _unbias(self._y, self.points_y, n)
         self.points_count = n
-
 
 @micropython.viper
 def _unbias(p: ptr16, q: ptr16, n: int):

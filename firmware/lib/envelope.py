@@ -20,7 +20,7 @@ import micropython
 from micropython import const
 
 BIAS = const(8192)
-BINS = const(32)
+BINS = const(24)
 LENGTHS = const(5)
 _STRIDE = const(12)
 
@@ -95,11 +95,11 @@ def sort_near(px: ptr16, py: ptr16, n: int, half_width: int, half_length: int, b
 
 
 @micropython.viper
-def mirror(p: ptr16, q: ptr16, n: int):
-    """q = -p for biased coordinates."""
+def mirror(p: ptr16, n: int):
+    """Change the sign of biased coordinates, in place."""
     i = 0
     while i < n:
-        q[i] = 16384 - p[i]
+        p[i] = 16384 - p[i]
         i += 1
 
 
@@ -142,7 +142,7 @@ def sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, fr
     floor = job[8]
     stride = job[12]
     soft_margin = job[13]
-    band = job[14]
+    band = job[14] << 3
     tests = job[9]
     hits = job[10]
     while k < last:
@@ -188,15 +188,16 @@ def sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, fr
                 gap = gap_y
                 rate = rate_y
             if rate > 0:
-                allowed = gap - margin
-                if allowed < 2:
-                    allowed = 2
-                    if gap < 4:
-                        allowed = 1
-                        if gap < 1:
-                            allowed = 0
-                if aside == 0 and allowed < band and allowed * ref < length * rate:
-                    length = allowed * ref // rate
+                # 1/8 mm: what is nearer than the margin may come 2 mm nearer, what is nearer than half of it hardly at all
+                allowed = (gap - margin) << 3
+                if allowed < 16:
+                    allowed = 16
+                    if gap + gap < margin:
+                        allowed = 3
+                        if gap < 3:
+                            allowed = 1
+                if aside == 0 and allowed < band and allowed * ref < (length * rate) << 3:
+                    length = (allowed * ref // rate) >> 3
                     block = i
                 allowed = gap - soft_margin
                 if allowed < 2:
@@ -213,7 +214,7 @@ def sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, fr
             soft_limit = limit
         bottom = (floor << 16) // turn_mm
         if limit >= bottom:
-            row = k * 128
+            row = k * 96
             i = 0
             while i < n:
                 dx = px[i] - xc
@@ -256,8 +257,8 @@ def sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, fr
                     # d - r_in in 1/16 mm = (d2 - r2_in) / (d + r_in): the rough root hardly shows
                     pos = (pos << 4) // (((root[v] << shift) >> 8) + r_in)
                     pos = (pos * scale) >> 12  # bin in 1/256
-                    if pos > 8191:
-                        pos = 8191
+                    if pos > 6143:
+                        pos = 6143
                     j = row + ((pos >> 8) << 2)
                     pos = pos & 255
                     e = table[j]
@@ -298,7 +299,7 @@ def sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, s
     first = job[11]
     stride = job[12]
     soft_margin = job[13]
-    band = job[14]
+    band = job[14] << 3
     while k < last:
         base = (k - first) * 8
         s = strips[base]
@@ -337,13 +338,14 @@ def sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, s
                 gap = gap_y
                 rate = rate_y
             if rate > 0:
-                allowed = gap - margin
-                if allowed < 2:
-                    allowed = 2
-                    if gap < 4:
-                        allowed = 1
-                        if gap < 1:
-                            allowed = 0
+                # 1/8 mm: what is nearer than the margin may come 2 mm nearer, what is nearer than half of it hardly at all
+                allowed = (gap - margin) << 3
+                if allowed < 16:
+                    allowed = 16
+                    if gap + gap < margin:
+                        allowed = 3
+                        if gap < 3:
+                            allowed = 1
                 if allowed < band and (allowed << 14) < length * rate:
                     length = (allowed << 14) // rate
                     block = i

@@ -15,7 +15,7 @@ Lengths on the floor are 1/8 mm modulo 2**16; costs are sixteenths of a cell.
 """
 
 from array import array
-from math import cos, pi, sin
+from math import cos, pi, sin, tan
 
 import micropython
 from micropython import const
@@ -26,14 +26,18 @@ N = const(30)
 TURNS = const(12)
 PLACES = const(900)
 STATES = const(10800)
-QUEUE = const(4096)
+QUEUE = const(2048)
 _TRAIL = const(1)
 _TRAIL_POINTS = const(160)
 FAR = const(20000)  # mm: no way known
 
 
 @micropython.viper
-def _clear(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8):
+def _clear(cost: ptr16, rows: ptr32, tight: ptr32, seen: ptr32, weight: ptr8):
+    i = 0
+    while i < 270:
+        seen[i] = 0
+        i += 1
     i = 0
     while i < 10800:
         cost[i] = 32767
@@ -80,52 +84,88 @@ def _cover(weight: ptr8, x: int, y: int, radius: int, cell: int, value: int):
 
 
 @micropython.viper
-def _close(rows: ptr32, fx: ptr16, fy: ptr16, first: int, last: int, gx: int, gy: int, shape: ptr32, cell: int):
-    """Close the poses whose outline covers one of the points first..last-1: one mask of 30 bits per row and orientation."""
+def _close(closed: ptr32, tight: ptr32, seen: ptr32, fx: ptr16, fy: ptr16, first: int, last: int, gx: int, gy: int, shape: ptr32, cell: int) -> int:
+    """Close the poses whose outline covers one of the points first..last-1: one mask of 30 bits per row and orientation.
+
+    Of the points in one patch of 2/3 cell the first serves for all. tight: the same for the full outline. Returns how many served.
+    """
     size = cell * 30
     half = cell >> 1
     inverse = 4194304 // cell  # 2**22 / cell
+    served = 0
+    reach = shape[84]
     k = first
     while k < last:
         x = (((fx[k] - gx) & 0xFFFF) ^ 0x8000) - 0x8000
         y = (((fy[k] - gy) & 0xFFFF) ^ 0x8000) - 0x8000
-        reach = shape[4]
-        if x > 0 - reach and y > 0 - reach and x < size + reach and y < size + reach:
-            t = 0
-            while t < 12:
-                b = t * 5
-                a1 = shape[b] - 65536
-                b1 = shape[b + 1]
-                a2 = shape[b + 2] - 65536
-                b2 = shape[b + 3]
-                tall = shape[60 + t]
-                j = ((y - tall - half) * inverse >> 22) + 1
-                j1 = (y + tall - half) * inverse >> 22
-                if j < 0:
-                    j = 0
-                if j1 > 29:
-                    j1 = 29
-                while j <= j1:
-                    dy = j * cell + half - y
-                    m = a1 * dy >> 10
+        k += 1
+        if x <= 0 - reach or y <= 0 - reach or x >= size + reach or y >= size + reach:
+            continue
+        # patches: 90 columns (30 to a word) and 90 rows reach one third of the grid beyond it on each side
+        i = ((x + (size >> 1)) * 3 * (inverse >> 1)) >> 22
+        j = ((y + (size >> 1)) * 3 * (inverse >> 1)) >> 22
+        if i >= 0 and j >= 0 and i < 90 and j < 90:
+            m = 1 << (i % 30)
+            i = j * 3 + i // 30
+            if seen[i] & m:
+                continue
+            seen[i] = seen[i] | m
+        served += 1
+        t = 0
+        while t < 12:
+            b = t * 7
+            a1 = shape[b] - 65536
+            a2 = shape[b + 1] - 65536
+            b1 = shape[b + 2]
+            b2 = shape[b + 3]
+            c1 = shape[b + 4]
+            c2 = shape[b + 5]
+            tall = shape[b + 6]
+            j = ((y - tall - half) * inverse >> 22) + 1
+            j1 = (y + tall - half) * inverse >> 22
+            if j < 0:
+                j = 0
+            if j1 > 29:
+                j1 = 29
+            row = t * 30 + j
+            dy = j * cell + half - y
+            left = x - half
+            while j <= j1:
+                m = left + (a1 * dy >> 10)
+                n = left + (a2 * dy >> 10)
+                lo = m - c1
+                if n - c2 > lo:
+                    lo = n - c2
+                hi = m + c1
+                if n + c2 < hi:
+                    hi = n + c2
+                i0 = (lo * inverse >> 22) + 1
+                i1 = hi * inverse >> 22
+                if i0 < 0:
+                    i0 = 0
+                if i1 > 29:
+                    i1 = 29
+                if i0 <= i1:
+                    tight[row] = tight[row] | ((1 << (i1 + 1)) - (1 << i0))
                     lo = m - b1
+                    if n - b2 > lo:
+                        lo = n - b2
                     hi = m + b1
-                    m = a2 * dy >> 10
-                    if m - b2 > lo:
-                        lo = m - b2
-                    if m + b2 < hi:
-                        hi = m + b2
-                    i0 = ((x + lo - half) * inverse >> 22) + 1
-                    i1 = (x + hi - half) * inverse >> 22
+                    if n + b2 < hi:
+                        hi = n + b2
+                    i0 = (lo * inverse >> 22) + 1
+                    i1 = hi * inverse >> 22
                     if i0 < 0:
                         i0 = 0
                     if i1 > 29:
                         i1 = 29
                     if i0 <= i1:
-                        rows[t * 30 + j] = rows[t * 30 + j] | ((1 << (i1 + 1)) - (1 << i0))
-                    j += 1
-                t += 1
-        k += 1
+                        closed[row] = closed[row] | ((1 << (i1 + 1)) - (1 << i0))
+                j += 1
+                row += 1
+                dy += cell
+            t += 1
+    return served
 
 
 @micropython.viper
@@ -164,6 +204,7 @@ def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32
         t += 1
     state[0] = 0
     state[1] = tail
+    state[2] = 0
 
 
 @micropython.viper
@@ -171,6 +212,7 @@ def _spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, 
     """Go on spreading for at most `budget` poses; returns 1 when the queue is empty. Bit 15 of a cost: the pose is queued."""
     head = state[0]
     tail = state[1]
+    limit = state[2]
     done = 0
     turn_cost = steps[96]
     while budget > 0:
@@ -179,8 +221,31 @@ def _spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, 
             budget = 0
         else:
             at = queue[head]
-            head = (head + 1) & 4095
             here = cost[at] & 0x7FFF
+            if here > limit:
+                # All within the limit are done: raise it, and bring those within it to the front.
+                i = head
+                limit = here
+                while i != tail:
+                    c = cost[queue[i]] & 0x7FFF
+                    if c < limit:
+                        limit = c
+                    i = (i + 1) & 2047
+                limit += 96
+                i = head
+                j = (tail - 1) & 2047
+                while i != j:
+                    at = queue[i]
+                    if (cost[at] & 0x7FFF) <= limit:
+                        i = (i + 1) & 2047
+                    else:
+                        queue[i] = queue[j]
+                        queue[j] = at
+                        j = (j - 1) & 2047
+                budget -= ((tail - head) & 2047) >> 3
+                at = queue[head]
+                here = cost[at] & 0x7FFF
+            head = (head + 1) & 2047
             cost[at] = here
             t = at // 900
             place = at - t * 900
@@ -228,38 +293,25 @@ def _spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, 
                         if old & 0x8000:
                             cost[to] = c | 0x8000
                         else:
-                            following = (tail + 1) & 4095
+                            following = (tail + 1) & 2047
                             if following != head:
                                 cost[to] = c | 0x8000
-                                queue[tail] = to
-                                tail = following
+                                if c <= limit:
+                                    head = (head - 1) & 2047
+                                    queue[head] = to
+                                else:
+                                    queue[tail] = to
+                                    tail = following
                 d += 1
             budget -= 1
     state[0] = head
     state[1] = tail
+    state[2] = limit
     return done
 
 
 @micropython.viper
-def _finish(cost: ptr16, use: ptr8, base: int):
-    """Copy the costs to bytes in half units from base; 255 where there is no way."""
-    i = 0
-    while i < 10800:
-        c = cost[i]
-        if c == 32767:
-            use[i] = 255
-        else:
-            c = (c - base) >> 1
-            if c < 0:
-                c = 0
-            if c > 254:
-                c = 254
-            use[i] = c
-        i += 1
-
-
-@micropython.viper
-def _sample(use: ptr8, x: int, y: int, heading: int, cell: int, unit: int) -> int:
+def _sample(cost: ptr16, x: int, y: int, heading: int, cell: int) -> int:
     """Cost at a pose, mm: trilinear between grid poses. x, y from the grid's corner (1/8 mm), heading in 0.1 deg, any int."""
     half = cell >> 1
     x -= half
@@ -280,17 +332,17 @@ def _sample(use: ptr8, x: int, y: int, heading: int, cell: int, unit: int) -> in
     heading = heading % 1800
     t = heading // 150
     ft = ((heading - t * 150) << 4) // 150
-    least = 255
+    least = 32767
     a = 0
     while a < 8:
         tt = t + (a >> 2)
         if tt == 12:
             tt = 0
-        v = use[(tt * 30 + j + ((a >> 1) & 1)) * 30 + i + (a & 1)]
+        v = cost[(tt * 30 + j + ((a >> 1) & 1)) * 30 + i + (a & 1)]
         if v < least:
             least = v
         a += 1
-    if least == 255:
+    if least == 32767:
         return 20000
     total = 0
     a = 0
@@ -298,9 +350,9 @@ def _sample(use: ptr8, x: int, y: int, heading: int, cell: int, unit: int) -> in
         tt = t + (a >> 2)
         if tt == 12:
             tt = 0
-        v = use[(tt * 30 + j + ((a >> 1) & 1)) * 30 + i + (a & 1)]
-        if v == 255:
-            v = least + 24  # closed: a little dearer than the best pose round about
+        v = cost[(tt * 30 + j + ((a >> 1) & 1)) * 30 + i + (a & 1)]
+        if v == 32767:
+            v = least + 48  # closed: a little dearer than the best pose round about
         wt = 16 - ft
         if a >> 2:
             wt = ft
@@ -314,15 +366,15 @@ def _sample(use: ptr8, x: int, y: int, heading: int, cell: int, unit: int) -> in
             wt = wt * (16 - fx)
         total += v * wt
         a += 1
-    return ((total >> 4) * unit) >> 16
+    return ((total >> 8) * cell) >> 11  # a cost unit is cell / 128 mm
 
 
 @micropython.viper
-def score_ends(use, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, score: ptr16, job: ptr32):
+def score_ends(cost, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, score: ptr16, job: ptr32):
     """What each travel of each candidate is worth: score[5 k + i] = travel + cost of the pose where it ends, mm.
 
     65535 where the travel is longer than the candidate's free length. job: x, y of the body in the grid (1/8 mm), sine,
-    cosine (2**14, + 2**14), flip x, flip y (0/1), cell, first, last, stride, unit, heading (0.1 deg)
+    cosine (2**14, + 2**14), flip x, flip y (0/1), cell, first, last, stride, heading (0.1 deg)
     """
     x0 = job[0]
     y0 = job[1]
@@ -334,8 +386,7 @@ def score_ends(use, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, scor
     k = job[7]
     last = job[8]
     stride = job[9]
-    unit = job[10]
-    heading = job[11]
+    heading = job[10]
     while k < last:
         i = 0
         while i < 5:
@@ -351,26 +402,30 @@ def score_ends(use, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, scor
                 if flip_y:
                     py = 0 - py
                     turn = 0 - turn
-                value = lengths[i] + int(_sample(use, x0 + ((px * c + py * s) >> 11), y0 + ((py * c - px * s) >> 11), heading + turn, cell, unit))
+                value = lengths[i] + int(_sample(cost, x0 + ((px * c + py * s) >> 11), y0 + ((py * c - px * s) >> 11), heading + turn, cell))
+                if value > 65534:
+                    value = 65534
             score[at] = value
             i += 1
         k += stride
 
 
-def _shape(half_width, half_length):
+def _shape(half_width, half_length, cell):
     """For each orientation the slopes and offsets of the outline's edges, a row of the grid at a time; see _close()."""
-    shape = array("i", [0] * 72)
+    shape = array("i", [0] * 85)
     far = 1 << 20
     for t in range(TURNS):
         s = sin(t * pi / TURNS)
-        c = cos(t * pi / TURNS)
-        b = t * 5
-        shape[b] = 65536 + (round(1024 * s / c) if t != TURNS // 2 else 0)
-        shape[b + 1] = int(half_width / abs(c)) if t != TURNS // 2 else far
-        shape[b + 2] = 65536 + (round(-1024 * c / s) if t else 0)
-        shape[b + 3] = int(half_length / s) if t else far
-        shape[b + 4] = half_length + half_width
-        shape[60 + t] = int(half_length * abs(c) + half_width * s)
+        c = abs(cos(t * pi / TURNS))
+        b = t * 7
+        upright = t == TURNS // 2
+        shape[b] = 65536 + (0 if upright else round(1024 * tan(t * pi / TURNS)))
+        shape[b + 1] = 65536 + (round(-1024 / tan(t * pi / TURNS)) if t and not upright else 0)
+        for i, (width, length) in enumerate(((half_width - cell * 3 // 10, half_length - cell * 6 // 10), (half_width + 40, half_length + 40))):
+            shape[b + 2 + 2 * i] = far if upright else int(width / c)
+            shape[b + 3 + 2 * i] = int(length / s) if t else far
+        shape[b + 6] = int((half_length + 40) * c + (half_width + 40) * s)
+    shape[84] = half_length + half_width
     return shape
 
 
@@ -381,11 +436,9 @@ class Field:
         length = config.robot_length
         width = config.robot_width
         self.cell = length * 8 // 12  # 1/8 mm
-        self.unit = self.cell * 4  # a byte of the field is cell / 8 long; see _sample for the rest
         # Poses in which a point comes into the outline proper are dear; closed are only those in which it comes well into it, or
         # narrow passages would close on the grid.
-        self._outline = _shape(width * 4 + 40, length * 4 + 40)
-        self._shape = _shape(width * 4 - self.cell * 3 // 10, length * 4 - self.cell * 6 // 10)
+        self._shape = _shape(width * 4, length * 4, self.cell)
         self._steps = array("H", [0] * 97)
         for t in range(TURNS):
             s = sin(t * pi / TURNS)
@@ -399,12 +452,12 @@ class Field:
         self._steps[96] = round(16 * (length / 2 * pi / TURNS) * 8 * 0.6 / self.cell)
         self._trail_radius = width * 4 + self.cell // 2
         self._weight = bytearray(PLACES)
-        self._rows = array("i", [0] * (N * TURNS))
+        self._closed = array("i", [0] * (N * TURNS))
         self._tight = array("i", [0] * (N * TURNS))
+        self._seen = array("i", [0] * 270)
         self._queue = array("H", bytes(2 * QUEUE))
-        self._cost = array("H", bytes(2 * STATES))
-        self.use = bytearray(STATES)
-        self._state = array("i", [0, 0])
+        self.cost = array("H", bytes(2 * STATES))
+        self._state = array("i", [0, 0, 0])
         self._tx = array("H", bytes(2 * _TRAIL_POINTS))
         self._ty = array("H", bytes(2 * _TRAIL_POINTS))
         self._trail = 0  # points laid so far
@@ -454,7 +507,7 @@ class Field:
             half = self.cell * (N // 2)
             self._next_x = ((odometry.x >> 5) - half) & 0xFFFF
             self._next_y = ((odometry.y >> 5) - half) & 0xFFFF
-            _clear(self._cost, self._rows, self._tight, self._weight)
+            _clear(self.cost, self._closed, self._tight, self._seen, self._weight)
             self._mark_trail()
             self._k = 0
             self._stage = 1
@@ -462,21 +515,15 @@ class Field:
             last = self._k + 70
             if last > points.count:
                 last = points.count
-            _close(self._rows, points._fx, points._fy, self._k, last, self._next_x, self._next_y, self._shape, self.cell)
-            _close(self._tight, points._fx, points._fy, self._k, last, self._next_x, self._next_y, self._outline, self.cell)
+            _close(self._closed, self._tight, self._seen, points._fx, points._fy, self._k, last, self._next_x, self._next_y, self._shape, self.cell)
             self._k = last
             if last >= points.count:
-                _seed(self._cost, self._rows, self._queue, self.ux, self.uy, self._state)
+                _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state)
                 self._stage = 2
         elif stage == 2:
-            if _spread(self._cost, self._rows, self._tight, self._weight, self._queue, self._steps, self._state, 1600):
+            if _spread(self.cost, self._closed, self._tight, self._weight, self._queue, self._steps, self._state, 1600):
                 self._stage = 3
         else:
-            base = self._own_cost(odometry) - 256
-            if base < 0:
-                base = 0
-            self.base = base
-            _finish(self._cost, self.use, base)
             self.corner_x = self._next_x
             self.corner_y = self._next_y
             self._stage = 0
@@ -484,23 +531,6 @@ class Field:
             self.builds += 1
             return True
         return False
-
-    def _own_cost(self, odometry):
-        """Least cost of the grid poses next to the robot's own."""
-        cell = self.cell
-        x = (((odometry.x >> 5) - self._next_x) & 0xFFFF) - cell // 2
-        y = (((odometry.y >> 5) - self._next_y) & 0xFFFF) - cell // 2
-        i = min(max(x // cell, 1), N - 3)
-        j = min(max(y // cell, 1), N - 3)
-        t = (odometry.heading // 100) % 1800 // 150
-        least = 32767
-        for a in range(2):
-            for b in range(-1, 3):
-                for c in range(-1, 3):
-                    v = self._cost[(((t + a) % TURNS) * N + j + b) * N + i + c]
-                    if v < least:
-                        least = v
-        return least if least < 32767 else 0
 
     def _mark_trail(self):
         """Ground covered makes dear ground, dearer each time; not what the body still stands on."""
@@ -524,4 +554,4 @@ class Field:
         """Cost of a pose on the floor (1/8 mm mod 2**16, 0.1 deg), mm, relative to others of this field."""
         u = ((x - self.corner_x) & 0xFFFF ^ 0x8000) - 0x8000
         v = ((y - self.corner_y) & 0xFFFF ^ 0x8000) - 0x8000
-        return _sample(self.use, u, v, heading, self.cell, self.unit)
+        return _sample(self.cost, u, v, heading, self.cell)

@@ -3,24 +3,29 @@
 from time import ticks_diff, ticks_us
 
 import reasons
+import telemetry
 from avoid import Avoid
-from drive import Drive
-from lidar import Lidar
 from odometry import Odometry
 
 
 class Robot:
-    """The parts, joined. Buses and pins are handed in by main.py."""
+    """The parts, joined; buses and pins were handed to them by main.py.
 
-    def __init__(self, config, lidar, drive):
+    lidar: Lidar; drive: Drive; health: Health or None; link: Link or None (then it drives on its own); screen: Screen or None.
+    took_us: computing time of the slices of the latest decision.
+    """
+
+    def __init__(self, config, lidar, drive, health=None, link=None, screen=None):
         self.config = config
         self.lidar = lidar
         self.drive = drive
+        self.health = health
+        self.link = link
+        self.screen = screen
         self.odometry = Odometry(config)
         self.avoid = Avoid(config)
-        self.manual = False
-        self.stopped = False
-        self._fresh = False
+        self.took_us = 0
+        self._slices_us = 0
 
     def step(self):
         """Once round. Returns True if a lidar frame was taken in."""
@@ -29,24 +34,51 @@ class Robot:
         drive = self.drive
         avoid = self.avoid
         odometry = self.odometry
+        link = self.link
         seen = False
         odometry.advance(now, drive)
         while lidar.poll(now):
-            avoid.frame(lidar, odometry, now)
+            avoid.frame(lidar, odometry)
+            if link is not None:
+                link.frame(lidar)
             seen = True
-        if seen:
-            if drive.v256 != 0 or avoid.v != 90:
-                room = avoid.guard(odometry)
-                speed = drive.v256 * self.config.motors_full_speed // (90 * 256)
-                if speed < 0:
-                    speed = -speed
-                # Way to stop: what rolls out in the motors' time constant, and a little.
-                if room < speed // 12 and avoid.v != 90:
-                    avoid.halt(reasons.BLOCKED)
-                    drive.command(avoid.af, avoid.ar, 90)
-            if avoid.work(now, odometry, drive):
-                drive.command(avoid.af, avoid.ar, avoid.v)
-        if not lidar.ok:
-            drive.command(avoid.af, avoid.ar, 90)
+        state = telemetry.AUTO if link is None else link.state
+        if self.health is not None and not self.health.check(now):
+            self._stand(reasons.FAULT, seen)
+        elif state == telemetry.STOPPED:
+            self._stand(reasons.STOPPED, seen)
+        elif state == telemetry.MANUAL:
+            drive.command(link.af, link.ar, link.v)
+            if seen:
+                avoid.watch(odometry, reasons.MANUAL, link.af, link.ar, link.v)
+        elif seen:
+            self._decide(now)
         drive.update(now)
+        if link is not None:
+            link.update(now, self)
+        if self.screen is not None:
+            self.screen.update(now, self, link)
         return seen
+
+    def _stand(self, why, seen):
+        """Motors off, steering as it is; the surroundings are still looked at."""
+        drive = self.drive
+        drive.stop()
+        if seen:
+            self.avoid.watch(self.odometry, why, drive.af, drive.ar, 90)
+
+    def _decide(self, now):
+        """On every frame: stop for what is new, then one slice of the decision."""
+        drive = self.drive
+        avoid = self.avoid
+        if avoid.v != 90:
+            speed = drive.v256 * self.config.motors_full_speed // (90 * 256)
+            if avoid.guard(self.odometry, -speed if speed < 0 else speed):
+                drive.command(avoid.af, avoid.ar, 90)
+        began = ticks_us()
+        done = avoid.work(self.odometry)
+        self._slices_us += ticks_diff(ticks_us(), began)
+        if done:
+            drive.command(avoid.af, avoid.ar, avoid.v)
+            self.took_us = self._slices_us
+            self._slices_us = 0

@@ -5,23 +5,25 @@ are nearer than that. So every point is kept in a frame fixed to the floor and
 carried along by the robot's own motion until the lidar, looking straight at the
 place, sees past it.
 
-Points are thinned: one per floor cell (1/30 of the body length), each the running
-mean of the samples that fell into its cell. Thinning bounds the planner's work and
-the mean takes the range noise out of a wall.
+Points are thinned: one per floor cell (1/30 of the body length), each a running mean,
+leaning to the near side, of the samples that fell into its cell. Thinning bounds the
+planner's work and the mean takes the range noise out of a wall.
 
 Coordinates on the floor are 1/8 mm, modulo 2**16 (8.192 m): differences of two
 16-bit coordinates are right as long as the points lie within 4 m of each other.
 """
 
 from array import array
+from time import ticks_diff
 
 import micropython
 from micropython import const
 
 from trig import SIN, sin14, cos14
 
-_CAPACITY = const(448)
-_HASH = const(2048)
+_STEP_US = const(10_000)  # of Odometry
+_CAPACITY = const(384)
+_HASH = const(1024)
 
 # Positions in the state buffer shared with the viper functions.
 _COUNT = const(0)
@@ -84,17 +86,25 @@ def _place(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32,
             px = (x0 + dx * i // n + s) & 0xFFFF
             py = (y0 + dy * i // n + c) & 0xFFFF
             key = (px // size) * 1024 + py // size
-            h = ((px // size) * 37 + (py // size) * 101) & 2047
+            h = ((px // size) * 37 + (py // size) * 101) & 1023
             k = index[h]
             # A slot whose cell is another one (hash collision or recycled) is not this cell.
             if k != 0xFFFF and k < count and cell[k] == (key & 0xFFFF):
                 ex = (((px - fx[k]) & 0xFFFF) ^ 0x8000) - 0x8000
                 ey = (((py - fy[k]) & 0xFFFF) ^ 0x8000) - 0x8000
-                fx[k] = (fx[k] + ((ex + 2) >> 2)) & 0xFFFF
-                fy[k] = (fy[k] + ((ey + 2) >> 2)) & 0xFFFF
+                # A sample nearer than the mean pulls four times as hard as a farther one: the tip of a corner
+                # would vanish in a plain mean, and the body turns about corners.
+                if ex * s + ey * c < 0:
+                    ex = (ex + 2) >> 2
+                    ey = (ey + 2) >> 2
+                else:
+                    ex = (ex + 8) >> 4
+                    ey = (ey + 8) >> 4
+                fx[k] = (fx[k] + ex) & 0xFFFF
+                fy[k] = (fy[k] + ey) & 0xFFFF
                 frame[k] = stamp
                 travel[k] = rolled
-            elif count < 448:
+            elif count < 384:
                 k = count
                 count += 1
                 index[h] = k
@@ -209,7 +219,7 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32
             frame[k] = frame[count]
             travel[k] = travel[count]
             # The last slot moved here. The index may still name the dropped one: its cell no longer agrees.
-            index[((fx[k] // size) * 37 + (fy[k] // size) * 101) & 2047] = k
+            index[((fx[k] // size) * 37 + (fy[k] // size) * 101) & 1023] = k
         else:
             k += 1
     state[0] = count
@@ -256,25 +266,22 @@ class Surroundings:
     def count(self):
         return self._state[_COUNT]
 
-    def frame(self, lidar, odometry, now_us):
+    def frame(self, lidar, odometry):
         """Place one frame's points, measured while the body moved as odometry says.
 
-        The pose is known for now; the last point was measured a little before (it had to come
-        down the wire) and the first a frame earlier.
+        The pose is known for about now; the last point was measured a little before (it had to come down the wire) and the
+        first a frame earlier. Over that time the motion of the last step is taken to go on.
         """
         n = lidar.n
         if n < 2:
             return
-        step_us = odometry.step_us
-        late = now_us - lidar.frame_us
-        if late < 0 or late > 60000:
-            late = 10000
+        late = ticks_diff(odometry.now_us, lidar.frame_us)
+        if late < -60_000 or late > 60_000:
+            late = 10_000
         late >>= 4
         span = lidar.period_us >> 4
-        step = step_us >> 4
-        if step < 1:
-            step = 1
-        # World displacement of one odometry step, 1/256 mm; far below 2**14.
+        step = _STEP_US >> 4
+        # Displacement on the floor in one step, 1/256 mm; far below 2**14.
         a = odometry.heading // 100
         s = sin14(a)
         c = cos14(a)

@@ -99,6 +99,8 @@ class Electronics:
 
     def _await_pulse(self, time):
         """A pulse that has begun keeps its width: the new one comes with the next period, and the servo needs a moment."""
+        if self.latch != NEVER and time > self.latch - REACTION_US:
+            return  # that pulse is on its way; what comes within its last moment is taken with it
         period = self._servo.period_us
         self.latch = self._servo_phase + (np.floor((time - self._servo_phase) / period) + 1) * period + REACTION_US
 
