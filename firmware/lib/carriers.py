@@ -210,6 +210,10 @@ class Datagrams:
         """Nothing is queued here."""
         return MAX_FRAME
 
+    def answer(self, encoder, size):
+        """Send a frame to whoever sent the last datagram."""
+        return self._send(encoder, size, self._from)
+
     def announce(self, encoder, size):
         """Send a frame to everyone in the network."""
         return self._socket is None or self._send(encoder, size, self._everyone)

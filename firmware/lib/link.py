@@ -22,7 +22,7 @@ from commands import Commands
 from health import FAULTS
 from micropython import const
 from reasons import REASONS
-from report import Report, ScanGatherer
+from report import Report, ScanGatherer, parameters
 from telemetry import Encoder
 from version import VERSION
 
@@ -57,12 +57,14 @@ class Link:
         self._config = config
         self.dropped = 0
         self._decisions = -1
-        self._wheels_us = self._points_us = self._health_us = self._hello_us = None
+        self._wheels_us = self._points_us = self._health_us = self._hello_us = self._answered_us = None
         self._pose_next = False
         self._points_of = -1
         self._hellos = 0
         self._names_due = True
         self._replies = []
+        self._drive_fault = ""
+        self._battery_low = False
         self._logs = []
 
     @property
@@ -121,7 +123,10 @@ class Link:
                     carrier.heard(now_us)
                     if len(self._replies) < _WAITING:
                         self._replies.append(commands.reply)
+                elif carrier.decoder.kind == telemetry.GREET and carrier.signed:
+                    self._answer(carrier, now_us)
         commands.expire(now_us)
+        self._remark(robot)
         if self._due(now_us, self._hello_us, _HELLO_US) or commands.greeted:
             self._hello(now_us)
         elif listened:
@@ -131,10 +136,29 @@ class Link:
             if size:
                 self._send(size, now_us)
 
+    def _answer(self, carrier, now_us):
+        """Tell the session to one who greets without it: broadcasts do not reach everyone. Once a second, so that nobody gains by asking."""
+        if self._due(now_us, self._answered_us, _HELLO_US):
+            self._answered_us = now_us
+            carrier.answer(self._encoder, self._report.hello(self._session, self._commands.counter))
+
     def close(self):
         """Give the carriers back, Ctrl-C among them."""
         for carrier in self._carriers:
             carrier.close()
+
+    def _remark(self, robot):
+        """Put into the log what should not be missed."""
+        fault = robot.drive.fault
+        if fault is not self._drive_fault:
+            self._drive_fault = fault
+            if fault:
+                self.log(2, fault)
+        low = robot.health is not None and robot.health.battery_low
+        if low != self._battery_low:
+            self._battery_low = low
+            if low:
+                self.log(1, "battery is low: charge it soon")
 
     def _has_room(self):
         """Whether every carrier takes any message now."""
@@ -156,7 +180,7 @@ class Link:
             return report.names()
         if commands.listing >= 0:
             number = commands.listing
-            commands.listing = number + 1 if number + 1 < len(self._config.live) else -1
+            commands.listing = number + 1 if number + 1 < parameters(self._config) else -1
             return report.parameter(self._config, number)
         return 0
 

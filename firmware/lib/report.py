@@ -17,6 +17,11 @@ _HELLO_SIZE = struct.calcsize(telemetry.HELLO_FORMAT)
 _REPLY_SIZE = struct.calcsize(telemetry.REPLY_FORMAT)
 
 
+def parameters(config):
+    """How many PARAMETERs there are: the live ones and the trims."""
+    return len(config.live) + 2 * config.axles
+
+
 class Report:
     """Composes messages in `encoder`; each method returns the size of the frame."""
 
@@ -89,12 +94,20 @@ class Report:
         return self._encoder.seal(telemetry.HEALTH, _HEALTH_SIZE)
 
     def parameter(self, config, number):
-        """PARAMETER for row `number` of config.live. Allocates."""
-        key, _, default, low, high, unit, meaning = config.live[number]
-        text = json.dumps(
-            {"key": key, "value": config.get(key), "default": default, "low": low, "high": high, "unit": unit, "meaning": meaning, "number": number, "of": len(config.live)}
-        ).encode()
-        return self._text(telemetry.PARAMETER, 0, text)
+        """PARAMETER for row `number` of config.live, or for a servo's trim behind these. Allocates."""
+        live = len(config.live)
+        if number < live:
+            key, _, default, low, high, unit, meaning = config.live[number]
+            value = config.get(key)
+        else:
+            wheel = number - live
+            key, default, low, high, unit = "servos.trims.%d" % wheel, 0, -20, 20, "deg"
+            meaning = "trim of axle %d %s" % (wheel // 2 + 1, ("left", "right")[wheel % 2])
+            value = config.servos_trims[wheel] / 10
+        row = {"key": key, "value": value, "default": default, "low": low, "high": high, "unit": unit, "meaning": meaning}
+        row["number"] = number
+        row["of"] = parameters(config)
+        return self._text(telemetry.PARAMETER, 0, json.dumps(row).encode())
 
     def _text(self, kind, before, text):
         count = min(len(text), self._encoder.room - before)

@@ -43,7 +43,8 @@ Laptop to robot; each payload begins with a counter u32
     44 WATCH       flags u8: bit 0 send SCAN, bit 1 send CANDIDATES
     45 LIST        send every PARAMETER
     46 POINT       wheel u8 (2(i-1)+(j-1)), angle i16: turn this wheel alone while the robot stands; its trim is the parameter servos.trims.WHEEL
-    47 GREET       what u8: bit 0 send HELLO and NAMES. Over UDP the robot sends to whom it last heard a valid command from, for 3 s
+    47 GREET       what u8: bit 0 send HELLO and NAMES. Over UDP the robot sends to whom it last heard a valid command from, for 3 s;
+                   a GREET without a right tag is answered with a HELLO, which tells the session a tag needs
 
 Commands over UDP end with a tag of 8 bytes: the first 8 bytes of HMAC-SHA256 under the robot's key, see `auth`. Over USB there is none:
 whoever holds the cable can also press reset.

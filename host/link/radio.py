@@ -29,8 +29,8 @@ def host_and_port(place: str) -> tuple[str, int]:
 class RadioLink(Link):
     """udp:HOST[:PORT]. Raises LinkError if the name is not known.
 
-    The robot's hello, sent to everyone once a second, tells its session and its board; the key is the one kept when that board was flashed
-    (`host.flash.places.key_path`). Until a hello has come, commands are not sent; without the key they never are.
+    The robot's hello, sent to everyone once a second and to whoever greets it, tells its session and its board; the key is the one kept when
+    that board was flashed (`host.flash.places.key_path`). Until a hello has come, commands are not sent; without the key they never are.
 
     key: overrides the one that was kept.
     """
@@ -106,7 +106,8 @@ class RadioLink(Link):
 
     def _frame(self, kind: int, payload: bytes) -> bytes:
         if self._key is None:
-            return b""
+            # Without the session nothing can be signed; a greeting that is not makes the robot tell it.
+            return telemetry.frame(kind, payload) if kind == telemetry.GREET and not self._session else b""
         head = struct.pack("<BBHH", telemetry.VERSION, kind, self._sequence_out & 0xFFFF, len(payload) + auth.TAG)
         return telemetry.frame(kind, payload + auth.tag(self._key, self._session, head + payload), self._sequence_out)
 

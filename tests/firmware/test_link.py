@@ -16,6 +16,8 @@ KEY = b"k" * 32
 
 class Config:
     lidar_frames = 16
+    axles = 1
+    servos_trims = array("h", [0, -15])
     live = (("avoid.margin", "int", 15, 0, 100, "mm", "clearance kept to every point"), ("b", "int", 1, 0, 2, "", "another"))
 
     def get(self, key):
@@ -44,7 +46,9 @@ class Part:
     ok = True
     speed20 = 120
     frames, errors, speed_faults = 1000, 2, 3
-    chips, uptime_ms, heap_free, worst_us, battery_mv, fault = True, 5000, 60000, 4000, 7400, 0
+    fault = ""
+    battery_low = False
+    chips, uptime_ms, heap_free, worst_us, battery_mv = True, 5000, 60000, 4000, 7400
     n = 38
     frame_us = 77
     bearings = array("H", range(0, 38))
@@ -55,7 +59,9 @@ class Robot:
     took_us = 1234
 
     def __init__(self):
-        self.avoid = self.drive = self.odometry = self.health = self.lidar = Part()
+        self.avoid = self.drive = self.odometry = self.lidar = Part()
+        self.health = Part()
+        self.health.fault = 0
 
 
 class Settings:
@@ -86,6 +92,7 @@ class Line:
         self.used = 0
         self.full = False
         self.announced = 0
+        self.answered = 0
         self.valid = 0
 
     def update(self, now_us):
@@ -109,6 +116,9 @@ class Line:
 
     def heard(self, now_us):
         self.valid += 1
+
+    def answer(self, encoder, size):
+        self.answered += 1
 
     def close(self):
         pass
@@ -236,7 +246,8 @@ def test_tune_keep_point_and_list():
     kinds = run(link, line, robot)
     assert robot.tuned == [("avoid.margin", 20), "kept", (4, -25)]
     parameters = [json.loads(payload) for payload in kinds[telemetry.PARAMETER]]
-    assert [row["key"] for row in parameters] == ["avoid.margin", "b"] and parameters[0]["high"] == 100
+    assert [row["key"] for row in parameters] == ["avoid.margin", "b", "servos.trims.0", "servos.trims.1"]
+    assert parameters[0]["high"] == 100 and parameters[3]["value"] == -1.5 and parameters[0]["of"] == 4
 
 
 def test_scans_on_request():
@@ -262,7 +273,7 @@ def test_what_is_told_once_waits_for_room():
     line.full = False
     kinds = run(link, line, robot, 1_000_000, 1_200_000)
     assert len(kinds[telemetry.REPLY]) == len(kinds[telemetry.LOG]) == len(kinds[telemetry.NAMES]) == 1
-    assert len(kinds[telemetry.PARAMETER]) == 2
+    assert len(kinds[telemetry.PARAMETER]) == 4
 
 
 def test_log_lines():
@@ -313,6 +324,22 @@ def test_any_bit_of_a_signed_command_counts():
         link.update(0, robot)
         genuine = 8 <= at < len(good) - 2 or 3 <= at < 6
         assert not link.manual or not genuine, at
+
+
+def test_a_greeting_without_the_session_is_answered_once_a_second():
+    link, line, robot = make(signed=True)
+    for now in range(0, 1_000_000, 100_000):
+        line.receive(frame(telemetry.GREET, b"\1\0\0\0\1"))
+        link.update(now, robot)
+    assert line.answered == 1 and line.valid == 0
+
+
+def test_what_should_not_be_missed_is_logged_once():
+    link, line, robot = make()
+    robot.health.battery_low = True
+    robot.drive.fault = "no answer from 0x41"
+    logs = [bytes(payload) for payload in run(link, line, robot)[telemetry.LOG]]
+    assert logs == [b"\2no answer from 0x41", b"\1battery is low: charge it soon"]
 
 
 def test_without_a_key_no_signed_command_counts():

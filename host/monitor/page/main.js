@@ -57,10 +57,7 @@ const HEAR = {
     // Another page, the screen or the robot itself may have taken over.
     if (message.state !== "manual" && hand.longActive()) hand.release();
   },
-  wheels(message) {
-    dials.show(message);
-    tune.showTrims(message.angles.length);
-  },
+  wheels(message) { dials.show(message); },
   truth(message) { world.note(message); },
   pose(message) { world.note(message); },
   health(message) { health.show(message, state.names?.faults); },

@@ -7,33 +7,19 @@ export class Tune {
     Object.assign(this, { box, trims, send });
     this.rows = {};
     this.timers = {};
-    this.wheels = 0;
   }
 
   clear() {
     this.box.replaceChildren();
     this.trims.replaceChildren();
     this.rows = {};
-    this.wheels = 0;
   }
 
   show(parameter) {
-    const row = this.rows[parameter.key] || (this.rows[parameter.key] = this.build(parameter, this.box));
+    const parent = parameter.key.startsWith("servos.trims.") ? this.trims : this.box;
+    const row = this.rows[parameter.key] || (this.rows[parameter.key] = this.build(parameter, parent));
     row.set(parameter.value);
     row.box.classList.toggle("changed", parameter.value !== parameter.default);
-  }
-
-  // One slider for each wheel; the value starts from 0 because the robot tells live parameters only.
-  showTrims(count) {
-    if (this.wheels === count) return;
-    this.wheels = count;
-    this.trims.replaceChildren();
-    for (let k = 0; k < count; k++) {
-      this.build({
-        key: `servos.trims.${k}`, value: 0, default: 0, low: -20, high: 20, unit: "deg",
-        meaning: `axle ${(k >> 1) + 1} ${k & 1 ? "right" : "left"}`,
-      }, this.trims);
-    }
   }
 
   build({ key, low, high, unit, meaning, value }, parent) {
@@ -52,7 +38,7 @@ export class Tune {
     label.htmlFor = number.id;
     slider.setAttribute("aria-label", key);
     for (const input of [number, slider]) {
-      Object.assign(input, { min: low, max: high, step: 1, value });
+      Object.assign(input, { min: low, max: high, step: key.startsWith("servos.trims.") ? 0.5 : 1, value });
       input.oninput = () => {
         if (input.value === "" || !input.checkValidity()) return;
         number.value = slider.value = input.value;
