@@ -54,6 +54,11 @@ except (configuration.ConfigError, OSError) as error:
     print("gapseeker: cannot start:", error)
     raise
 
-while True:
-    if not robot.step():
-        sleep_ms(1)
+try:
+    while True:
+        if not robot.step():
+            sleep_ms(1)
+finally:
+    # The chips go on with what they last heard: whatever ends the loop (Ctrl-C, a deploy, an error) must not leave the wheels turning.
+    robot.drive.off()
+    robot.lidar.stop()

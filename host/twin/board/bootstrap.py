@@ -38,4 +38,8 @@ _take_over("time")
 _take_over("machine")
 lockstep.connect(int(sys.argv[1]), int(sys.argv[2]))
 
-import main
+try:
+    import main
+except (Exception, KeyboardInterrupt):
+    lockstep.flush()  # what it did on its way out belongs to the run
+    raise

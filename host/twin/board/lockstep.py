@@ -168,6 +168,11 @@ def adc():
     return _inputs[4]
 
 
+def flush():
+    """Hand over what has happened so far."""
+    _exchange(FLUSH, 0, 0, now)
+
+
 def reset():
     """The board resets: the run is over."""
     _exchange(RESET, 0, 0, now)
