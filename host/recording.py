@@ -8,7 +8,7 @@
 The first record is the header, its payload a JSON object:
 
     format     1
-    firmware   version of the firmware that ran
+    firmware   version of the firmware that ran; in the twin with + and the beginning of its sources' SHA-256
     robot      the text of robot.json, unchanged
     source     address of what was recorded: twin:z?width=550&seed=3, serial:/dev/ttyUSB0, ...
     clock      whose time it is: "robot" (the firmware's own, from its start; only such a recording can be replayed) or "host"

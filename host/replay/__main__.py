@@ -14,7 +14,7 @@ from pathlib import Path
 from host.recording import Reader, RecordingError
 from host.twin.image import FIRMWARE, ToolMissing
 from host.twin.process import ENGINES
-from host.twin.recorder import sources_digest
+from host.twin.recorder import version
 
 from . import compare, table
 from .rerun import rerun, settings
@@ -40,8 +40,8 @@ def main(argv: list[str] | None = None) -> int:
     print(f"{options.file}: {reader.header.source}, {tape.then.end_us / 1e6:.1f} s")
     if tape.cut:
         print(f"the file is {tape.cut}; what is before that was used")
-    if not reader.header.firmware.endswith(sources_digest(options.firmware)[:12]):
-        print(f"recorded with another firmware ({reader.header.firmware}): differences are to be expected")
+    if reader.header.firmware != (here := version(options.firmware)):
+        print(f"recorded with firmware {reader.header.firmware}, this is {here}: differences are to be expected")
     return _report(tape.then, again, changes, reader.header.reasons, options.rows)
 
 

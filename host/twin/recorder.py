@@ -29,6 +29,16 @@ def sources_digest(firmware):
     return digest.hexdigest()
 
 
+def version(firmware):
+    """Version and sources of a firmware: 0.1.0+a6b104efa42a."""
+    try:
+        text = (Path(firmware) / "lib" / "version.py").read_text()
+        number = text.split('VERSION = "')[1].split('"')[0]
+    except (OSError, IndexError):
+        number = "0"
+    return f"{number}+{sources_digest(firmware)[:12]}"
+
+
 class Recorder(Watch):
     """Records all that goes into and comes out of the firmware.
 
@@ -54,7 +64,7 @@ class Recorder(Watch):
             name = "".join(letter if letter.isalnum() else "-" for letter in source.removeprefix("twin:"))
             path = OUT / f"{time.strftime('%Y%m%d-%H%M%S')}-{name}-{os.getpid()}-{next(_number)}.rec"
         header = recording.Header(
-            firmware=sources_digest(firmware)[:12], robot=robot, source=source, reasons=tuple(reasons()), notes=notes,
+            firmware=version(firmware), robot=robot, source=source, reasons=tuple(reasons()), notes=notes,
         )
         recorder = cls(recording.Writer(path, header))
         recorder._kept = kept

@@ -1,0 +1,30 @@
+"""Ctrl-C on the cable, as every deploy sends it: the robot must not drive on while nobody steers."""
+
+import pytest
+
+from host.twin import Watch, run
+
+
+class Interrupter(Watch):
+    """Presses Ctrl-C once the robot drives."""
+
+    def __init__(self):
+        self.simulation = None
+        self.drove = False
+
+    def step(self, simulation):
+        self.simulation = simulation
+        self.drove |= abs(simulation.body.twist[1]) > 50
+
+    def commands(self):
+        return b"\x03" if self.drove else b""
+
+
+@pytest.mark.parametrize("engine", ["micropython", "cpython"])
+def test_ctrl_c_leaves_everything_off(engine):
+    watch = Interrupter()
+    result = run("Z", 600, engine=engine, watch=watch, limit_s=5, record=False)
+    assert watch.drove and "KeyboardInterrupt" in result.reason
+    electronics = watch.simulation.electronics
+    assert not electronics._enabled
+    assert all(chip.duty(channel) == 0 for chip in electronics.chips.values() for channel in range(16))
