@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test flash deploy
+.PHONY: help setup demo test flash deploy monitor
 
 help:  ## list the words
 	@sed -n 's/^\([a-z][a-z-]*\):[^#]*## /\1\t/p' $(MAKEFILE_LIST) | sort | awk -F'\t' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -34,7 +34,10 @@ test: $(STAMP)  ## run all tests
 FLASH = $(RUN) -m host.flash $(if $(PORT),--port $(PORT)) $(if $(BAUD),--baud $(BAUD)) $(if $(DRY),--dry-run)
 
 flash: $(STAMP)  ## put MicroPython and the firmware on an ESP32 (PORT=, FIRMWARE=file.bin, BAUD=, BLANK=1, DRY=1)
-	@$(FLASH) $(if $(FIRMWARE),--firmware $(FIRMWARE)) $(if $(BLANK),--blank)
+	@$(FLASH) $(if $(FIRMWARE),--firmware "$(FIRMWARE)") $(if $(BLANK),--blank)
 
 deploy: $(STAMP)  ## put what changed of the firmware on the board (PORT=, DRY=1)
 	@$(FLASH) --deploy
+
+monitor: $(STAMP)  ## see and drive the robot, or the twin, in the browser (ADDRESS=twin:z?width=550)
+	@$(RUN) -m host.monitor $(if $(ADDRESS),"$(ADDRESS)")
