@@ -31,6 +31,7 @@ _WHEELS_US = const(50_000)
 _POINTS_US = const(150_000)
 _POINT_US = const(1500)  # more points come less often
 _HEALTH_US = const(500_000)
+_CANDIDATES_US = const(250_000)
 _HELLO_US = const(1_000_000)
 _NAMES_HELLOS = const(8)
 _WAITING = const(6)  # replies and lines of the log kept until there is room
@@ -57,7 +58,8 @@ class Link:
         self._config = config
         self.dropped = 0
         self._decisions = -1
-        self._wheels_us = self._points_us = self._health_us = self._hello_us = self._answered_us = None
+        self._wheels_us = self._points_us = self._health_us = self._hello_us = self._answered_us = self._candidates_us = None
+        self._side = 0
         self._pose_next = False
         self._points_of = -1
         self._hellos = 0
@@ -204,6 +206,10 @@ class Link:
             return report.points(avoid, now_us)
         if self._scan is not None and self._scan.ready:
             return self._scan.take(self._encoder)
+        if commands.watch & 2 and self._due(now_us, self._candidates_us, _CANDIDATES_US):
+            self._candidates_us = now_us
+            self._side = 1 - self._side
+            return report.candidates(avoid, self._side | (2 if avoid.v < 90 else 0), now_us)
         if self._due(now_us, self._health_us, _HEALTH_US):
             self._health_us = now_us
             return report.health(robot.health, robot.lidar, self.dropped, commands.refused, self.radio)

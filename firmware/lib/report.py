@@ -14,6 +14,8 @@ _SCAN_SIZE = struct.calcsize(telemetry.SCAN_FORMAT)
 _HEALTH_SIZE = struct.calcsize(telemetry.HEALTH_FORMAT)
 _POSE_SIZE = struct.calcsize(telemetry.POSE_FORMAT)
 _HELLO_SIZE = struct.calcsize(telemetry.HELLO_FORMAT)
+_CANDIDATES_SIZE = struct.calcsize(telemetry.CANDIDATES_FORMAT)
+_CANDIDATES_MOST = (telemetry.MAX_PAYLOAD - _CANDIDATES_SIZE) // 6
 _REPLY_SIZE = struct.calcsize(telemetry.REPLY_FORMAT)
 
 
@@ -84,6 +86,27 @@ class Report:
     def pose(self, odometry, now_us):
         struct.pack_into(telemetry.POSE_FORMAT, self._encoder.data, HEADER, now_us & TIME_MASK, odometry.x, odometry.y, odometry.heading)
         return self._encoder.seal(telemetry.POSE, _POSE_SIZE)
+
+    def candidates(self, avoid, variant, now_us):
+        """What the latest decision found of all steerings of one variant (bit 0 left, bit 1 backward)."""
+        data = self._encoder.data
+        envelopes = avoid.envelopes
+        count = min(envelopes.count, _CANDIDATES_MOST)
+        af, ar = avoid.af, avoid.ar
+        if variant & 1:
+            af, ar = -af, -ar
+        if variant & 2:
+            af, ar = -ar, -af
+        chosen = 255
+        for k in range(count):
+            if envelopes.af[k] == af and envelopes.ar[k] == ar:
+                chosen = k
+        struct.pack_into(telemetry.CANDIDATES_FORMAT, data, HEADER, now_us & TIME_MASK, variant, chosen, count)
+        at = HEADER + _CANDIDATES_SIZE
+        copy(envelopes.af, 0, 2 * count, data, at)
+        copy(envelopes.ar, 0, 2 * count, data, at + 2 * count)
+        copy(avoid.free_of[variant], 0, 2 * count, data, at + 4 * count)
+        return self._encoder.seal(telemetry.CANDIDATES, _CANDIDATES_SIZE + 6 * count)
 
     def health(self, health, lidar, dropped, refused, radio):
         flags = lidar.ok | health.chips << 1 | radio << 2

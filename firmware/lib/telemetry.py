@@ -31,7 +31,9 @@ Robot to laptop
     07 PARAMETER   JSON: key, value, default, low, high, unit, meaning, number (0 ..), of (how many there are)
     08 LOG         level u8 (0 information, 1 warning, 2 error), UTF-8 text
     09 POSE        time u32, x i32, y i32 (1/256 mm since boot), heading u32 (0.001 deg)
-    0A CANDIDATES  time u32, then until the end: AF i16, AR i16, free i16, block x i16, block y i16, chosen u8
+    0A CANDIDATES  time u32, variant u8, chosen u8 (255 none), count u8, then count AF i16, count AR i16, count free lengths u16. AF and AR are those
+                   of a right turn ahead; bit 0 of variant: both change their sign (left), bit 1: they are exchanged with their sign changed
+                   (backward)
     0B REPLY       counter u32 and type u8 of the command, status u8 (OK, REFUSED), UTF-8 text
     0C NAMES       JSON: reasons, faults (the texts that numbers point into)
 
@@ -103,8 +105,7 @@ SCAN_FORMAT = "<IHHB"
 HEALTH_FORMAT = "<IIIHBBBIIIII"
 HELLO_FORMAT = "<8sI"
 POSE_FORMAT = "<IiiI"
-CANDIDATES_FORMAT = "<I"
-CANDIDATE_FORMAT = "<hhhhhB"
+CANDIDATES_FORMAT = "<IBBB"
 REPLY_FORMAT = "<IBB"
 COUNTER_FORMAT = "<I"
 DRIVE_FORMAT = "<IBhhB"

@@ -12,7 +12,7 @@ Every dict has `type`; angles are degrees, lengths mm, speeds mm/s or r/s, times
     parameter   key, value, default, low, high, unit, meaning, number, of
     log         level, text
     pose        time, x, y, heading: where the robot thinks it is, from where it was switched on
-    candidates  time, list of {af, ar, free, block, chosen}
+    candidates  time, side ("right" or "left"), backward, list of {af, ar, free, chosen}
     reply       counter, command, status, text
     names       reasons, faults
 
@@ -120,12 +120,18 @@ def _pose(payload):
 
 
 def _candidates(payload):
-    (time,) = struct.unpack_from(telemetry.CANDIDATES_FORMAT, payload)
+    size = struct.calcsize(telemetry.CANDIDATES_FORMAT)
+    time, variant, chosen, count = struct.unpack_from(telemetry.CANDIDATES_FORMAT, payload)
+    values = struct.unpack_from(f"<{2 * count}h{count}H", payload, size)
     rows = []
-    rest = payload[struct.calcsize(telemetry.CANDIDATES_FORMAT) :]
-    for af, ar, free, x, y, chosen in struct.iter_unpack(telemetry.CANDIDATE_FORMAT, rest):
-        rows.append({"af": af / 10, "ar": ar / 10, "free": free, "block": _block(x, y), "chosen": bool(chosen)})
-    return {"type": "candidates", "time": time / 1e6, "list": rows}
+    for k in range(count):
+        af, ar, free = values[k] / 10, values[count + k] / 10, values[2 * count + k]
+        if variant & 1:
+            af, ar = -af, -ar
+        if variant & 2:
+            af, ar = -ar, -af
+        rows.append({"af": af, "ar": ar, "free": free, "chosen": k == chosen})
+    return {"type": "candidates", "time": time / 1e6, "side": ("right", "left")[variant & 1], "backward": bool(variant & 2), "list": rows}
 
 
 def _reply(payload):

@@ -31,6 +31,12 @@ class Steering:
     folded = 3
 
 
+class Envelopes:
+    count = 2
+    af = array("h", [100, 300])
+    ar = array("h", [0, -300])
+
+
 class Part:
     """Everything the link reads of the other parts of the robot."""
 
@@ -40,6 +46,8 @@ class Part:
     points_y = array("h", [-1, 2, -3])
     points_window = bytearray([1, 2, 3])
     points_count = 3
+    envelopes = Envelopes
+    free_of = [array("H", [k, k + 10]) for k in range(4)]
     v256 = -4608
     steering = Steering
     x, y, heading = -256, 512, 359999
@@ -264,6 +272,16 @@ def test_scans_on_request():
     assert struct.unpack_from(telemetry.SCAN_FORMAT, scan) == (77, 0, 37, 38)
 
 
+def test_candidates_on_request():
+    link, line, robot = make()
+    line.receive(frame(telemetry.WATCH, b"\1\0\0\0\2"))
+    rows = run(link, line, robot)[telemetry.CANDIDATES]
+    assert len(rows) == 4
+    left, right = rows[:2]
+    assert struct.unpack_from("<BBB4h2H", left, 4) == (1, 1, 2, 100, 300, 0, -300, 1, 11)
+    assert struct.unpack_from("<BBB", right, 4) == (0, 255, 2)
+
+
 def test_what_is_told_once_waits_for_room():
     link, line, robot = make()
     line.full = True
@@ -359,7 +377,7 @@ def test_hello_tells_the_counter():
 
 def test_telling_allocates_nothing():
     link, line, robot = make()
-    line.receive(frame(telemetry.WATCH, b"\1\0\0\0\1"))
+    line.receive(frame(telemetry.WATCH, b"\1\0\0\0\3"))
     for now in range(0, 300_000, 5000):
         link.update(now, robot)
         link.frame(robot.lidar)

@@ -65,6 +65,20 @@ export function sweep(body, af, ar, distance, steps = 24) {
   return out;
 }
 
+// The point that ends a way of `distance` mm: the first that the body, grown by the margin, meets a little further on; null if there is none.
+export function firstHit(body, t, distance, sign, points, margin) {
+  const w = body.width / 2 + margin, l = body.length / 2 + margin;
+  for (let further = 0; further <= 60; further += 12) {
+    const at = pose(t, distance + sign * further);
+    const s = Math.sin(at.heading), c = Math.cos(at.heading);
+    for (let i = 0; i < points.x.length; i++) {
+      const dx = points.x[i] - at.x, dy = points.y[i] - at.y;
+      if (Math.abs(dx * c - dy * s) <= w && Math.abs(dx * s + dy * c) <= l) return [points.x[i], points.y[i]];
+    }
+  }
+  return null;
+}
+
 // The ten zones as polygons round the body, a band of `margin` mm: 0 front, then clockwise.
 export function zones(body, margin) {
   const w = body.width / 2, l = body.length / 2, W = w + margin, L = l + margin;

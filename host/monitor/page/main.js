@@ -33,11 +33,11 @@ const hand = new Hand(state, send, stop, auto);
 let heard = 0;
 let changed = true;
 
-const KEPT = ["hello", "names", "world", "health", "decision", "points", "wheels", "pose", "truth", "scan", "candidates", "playback"];
+const KEPT = ["hello", "names", "world", "health", "decision", "points", "wheels", "pose", "truth", "scan", "playback"];
 
 const HEAR = {
   connected(message) {
-    for (const kind of KEPT) delete state[kind];
+    for (const kind of [...KEPT, "candidates"]) delete state[kind];
     state.parameters = {};
     tune.clear();
     world.clear();
@@ -64,6 +64,13 @@ const HEAR = {
   parameter(message) {
     state.parameters[message.key] = message;
     tune.show(message);
+  },
+  candidates(message) {
+    // Left and right are told in turn.
+    const other = message.side === "left" ? "right" : "left";
+    const known = state.candidates?.[other];
+    state.candidates = { [message.side]: message };
+    if (known && known.backward === message.backward) state.candidates[other] = known;
   },
   recording(message) { player.recording(message.path); },
   playback(message) { player.playback(message); },

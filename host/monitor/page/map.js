@@ -1,7 +1,7 @@
 // The map, head up: what the robot sees, what it means to do, and what stops it.
 
 import { COLOURS, line, polygon, prepare } from "./canvas.js";
-import { bodyOf, carry, corners, pose, sweep, twist, wheels, zones } from "./geometry.js";
+import { bodyOf, carry, corners, firstHit, pose, sweep, twist, wheels, zones } from "./geometry.js";
 
 const NONE = "#7d8a96";
 
@@ -95,18 +95,21 @@ export class HeadUp {
   }
 
   rejected(pen, body, ahead) {
-    const { candidates } = this.state;
-    if (!candidates) return;
-    pen.lineWidth = this.pixel;
-    for (const one of candidates.list) {
-      if (one.chosen) continue;
-      const t = twist(body, one.af, one.ar);
-      const free = Math.min(Math.abs(one.free), ahead) * (one.free < 0 ? -1 : 1);
-      pen.strokeStyle = "#ff8a6544";
-      for (const corner of corners(body).slice(0, 2)) {
-        line(pen, Array.from({ length: 13 }, (_, i) => carry(corner, pose(t, free * i / 12))));
+    const { candidates, points } = this.state;
+    const margin = this.state.parameter("avoid.margin", 15);
+    for (const { list, backward } of Object.values(candidates || {})) {
+      for (const one of list) {
+        if (one.chosen) continue;
+        const t = twist(body, one.af, one.ar);
+        const way = Math.min(one.free, ahead) * (backward ? -1 : 1);
+        const lead = corners(body).slice(...(backward ? [2, 4] : [0, 2]));
+        pen.lineWidth = this.pixel;
+        pen.strokeStyle = "#ff8a6538";
+        for (const corner of lead) line(pen, Array.from({ length: 9 }, (_, i) => carry(corner, pose(t, way * i / 8))));
+        if (one.free >= ahead || !points) continue;
+        const hit = firstHit(body, t, way, backward ? -1 : 1, points, margin);
+        if (hit) this.cross(pen, hit, "#ff8a65aa", 3);
       }
-      if (one.block) this.cross(pen, one.block, "#ff8a6588", 3);
     }
   }
 
