@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test flash deploy monitor
+.PHONY: help setup demo test flash deploy monitor screenshots
 
 help:  ## list the words
 	@sed -n 's/^\([a-z][a-z-]*\):[^#]*## /\1\t/p' $(MAKEFILE_LIST) | sort | awk -F'\t' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -41,3 +41,6 @@ deploy: $(STAMP)  ## put what changed of the firmware on the board (PORT=, DRY=1
 
 monitor: $(STAMP)  ## see and drive the robot, or the twin, in the browser (ADDRESS=twin:z?width=550)
 	@$(RUN) -m host.monitor $(if $(ADDRESS),"$(ADDRESS)")
+
+screenshots: $(STAMP)  ## take the pictures in docs/ again (needs chromium and chromium-driver)
+	@SCREENSHOTS=$(CURDIR)/docs $(RUN) -m pytest tests/host/test_monitor_page.py
