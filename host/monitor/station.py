@@ -70,7 +70,7 @@ class Station:
     def record(self, path: str | None = None) -> None:
         """Record what goes over the link from now on. Raises RecordingError."""
         self.stop_recording()
-        path = path or time.strftime("recordings/%Y%m%d-%H%M%S.rec")
+        path = path or time.strftime("out/%Y%m%d-%H%M%S.rec")
         with self._lock:
             known = dict(self._latest)
         self._recorder = _Recorder(path, self.link, self.address, known)
