@@ -37,10 +37,11 @@ import json
 import os
 import struct
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
-from typing import Iterator, NamedTuple
+from typing import NamedTuple
 
 MAGIC = b"\x89GSR\r\n\x1a\n"
 FORMAT = 1

@@ -410,7 +410,7 @@ def score_ends(cost, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, sco
         k += stride
 
 
-def _shape(half_width, half_length, cell):
+def _shape(half_width, half_length, margin, cell):
     """For each orientation the slopes and offsets of the outline's edges, a row of the grid at a time; see _close()."""
     shape = array("i", [0] * 85)
     far = 1 << 20
@@ -421,10 +421,10 @@ def _shape(half_width, half_length, cell):
         upright = t == TURNS // 2
         shape[b] = 65536 + (0 if upright else round(1024 * tan(t * pi / TURNS)))
         shape[b + 1] = 65536 + (round(-1024 / tan(t * pi / TURNS)) if t and not upright else 0)
-        for i, (width, length) in enumerate(((half_width - cell * 3 // 10, half_length - cell * 6 // 10), (half_width + 40, half_length + 40))):
+        for i, (width, length) in enumerate(((half_width - cell * 3 // 10, half_length - cell * 6 // 10), (half_width + margin, half_length + margin))):
             shape[b + 2 + 2 * i] = far if upright else int(width / c)
             shape[b + 3 + 2 * i] = int(length / s) if t else far
-        shape[b + 6] = int((half_length + 40) * c + (half_width + 40) * s)
+        shape[b + 6] = int((half_length + margin) * c + (half_width + margin) * s)
     shape[84] = half_length + half_width
     return shape
 
@@ -438,7 +438,7 @@ class Field:
         self.cell = length * 8 // 12  # 1/8 mm
         # Poses in which a point comes into the outline proper are dear; closed are only those in which it comes well into it, or
         # narrow passages would close on the grid.
-        self._shape = _shape(width * 4, length * 4, self.cell)
+        self._shape = _shape(width * 4, length * 4, config.avoid_margin * 8, self.cell)
         self._steps = array("H", [0] * 97)
         for t in range(TURNS):
             s = sin(t * pi / TURNS)

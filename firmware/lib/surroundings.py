@@ -122,10 +122,11 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32
             cell: ptr16, frame: ptr16, travel: ptr16, index: ptr16, sine: ptr32, keep: int):
     """Drop what the frame disproves, what is too old and what is too far.
 
-    A point in the frame's sector is disproved when the beams next to it go more than a cell past it.
-    One that should have been seen again but was not (its surface is now in a neighbour cell) goes
-    after a revolution and a half. One behind something nearer, or inside the blind disc, is kept
-    until the robot has rolled `keep` mm: drift, not time, is what makes memory wrong.
+    A point in the frame's sector is disproved when all beams that could have met it go more than a
+    cell past it: all, for the tip of a corner is seen by few, and the body turns about it. One whose
+    surface is now in a neighbour cell goes after a revolution and a half. One behind something
+    nearer, or inside the blind disc, is kept until the robot has rolled `keep` mm: drift, not time,
+    is what makes memory wrong.
     """
     x = pose[2]
     y = pose[3]
@@ -187,29 +188,40 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32
             u = (px * c0 - py * s0) >> 6
             v = (py * s1 - px * c1) >> 6
             if u >= 0 and v >= 0 and (u + v) > 0 and (px * (s0 + s1) + py * (c0 + c1)) > 0:
+                r2 = (px >> 3) * (px >> 3) + (py >> 3) * (py >> 3)
+                # The beams that could have met it: those within 20 mm of it, many where it is near.
+                r = 64
+                while r * r < r2:
+                    r += r >> 2
+                side = 51 * n // r + 1
                 i = u * (n - 1) // (u + v)
+                age = (stamp - frame[k]) & 0xFFFF
+                j = i - side
+                last = i + side + 1
+                clipped = 0
+                if j < 0:
+                    j = 0
+                    clipped = 1
+                if last > n:
+                    last = n
+                    clipped = 1
                 lo = 0x7FFF
                 hi = 0
-                j = i - 1
-                while j <= i + 2:
-                    if j >= 0 and j < n:
-                        d = distances[j]
-                        if d == 0:
-                            lo = 0
-                        else:
-                            if d < lo:
-                                lo = d
-                            if d > hi:
-                                hi = d
+                while j < last:
+                    d = distances[j]
+                    if d < lo:
+                        lo = d
+                    if d > hi:
+                        hi = d
                     j += 1
-                r2 = (px >> 3) * (px >> 3) + (py >> 3) * (py >> 3)
-                if lo > 0:
+                if lo > 0 and (clipped == 0 or age > 200):
                     past = (lo >> 2) - (size >> 3) - 20
                     if past > 0 and r2 < past * past:
                         gone = 1
-                    else:
+                    elif age > 24 and hi < lo + 160:
+                        # one surface, and it is not where the point is
                         near = (hi >> 2) + (size >> 3) + 20
-                        if r2 < near * near and ((stamp - frame[k]) & 0xFFFF) > 24:
+                        if r2 < near * near:
                             gone = 1
         if gone:
             count -= 1
@@ -252,7 +264,7 @@ class Surroundings:
     def __init__(self, config):
         length = config.robot_length
         far8 = min(length * 14, 30000)  # 1.75 body lengths to each side
-        self.keep = length + length // 2  # mm rolled before an unseen point is given up
+        self.keep = 6 * length  # mm rolled before an unseen point is given up: lining up at a corner takes many short moves
         self._fx = array("H", bytes(2 * _CAPACITY))
         self._fy = array("H", bytes(2 * _CAPACITY))
         self._cell = array("H", bytes(2 * _CAPACITY))

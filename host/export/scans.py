@@ -1,8 +1,8 @@
 """Recorded lidar bytes -> whole revolutions, through the firmware's own parser."""
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Iterator
 
 from host import compat
 from host.recording import Record

@@ -1,7 +1,7 @@
 """Everything a recording tells, as messages in order of time."""
 
+from collections.abc import Iterator
 from heapq import merge
-from typing import Iterator
 
 from host.link.playback import story
 from host.recording import Decision, Reader, Stream

@@ -16,8 +16,8 @@ Times are those of the recording, from 0. robot.json is an attachment; where the
 """
 
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import Callable
 
 from host.recording import Reader, Stream
 

@@ -2,9 +2,9 @@
 
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Callable
 
 from . import board, build, hello, image, keep, places, rescue, rom, tools
 from .errors import FlashError
@@ -131,7 +131,8 @@ def _put_settings(job: Job) -> str:
     settings, origin = job.settings, "kept"
     if settings is None and (copies := keep.backups(job.survey.identity)):
         # a flash that was broken off after the erase left the board without settings
-        settings, origin = copies[0].read_bytes(), f"restored from {copies[0]} (for the default, remove that file and robot.json on the board)"
+        settings = copies[0].read_bytes()
+        origin = f"restored from {copies[0]} (for the default, remove that file and robot.json on the board)"
     if settings is None:
         settings, origin = default, "the default"
     _put(job, build.SETTINGS, settings)
@@ -169,43 +170,47 @@ def _start(job: Job) -> str:
     return f"firmware {hello.restart(job.port)} says hello"
 
 
-def _survey_command(job: Job) -> list[list[str]]:
-    return [tools.mpremote(job.port, "exec", "<list every file with its SHA-256>")]
-
-
-def _copy_preview(job: Job) -> list[list[str]]:
-    return [tools.mpremote(job.port, "fs", "cp", "<each changed file>", ":<its name>")]
+def _fetch_preview(job: Job) -> list[list[str]]:
+    return [["check", str(job.firmware)]] if job.firmware else [["fetch", image.PINNED.url]]
 
 
 def _compile_preview(job: Job) -> list[list[str]]:
-    sources = sorted(path for path in (job.sources / "lib").rglob("*.py"))
-    return [build.compile_command(Path("firmware/lib") / path.name, Path(f"lib/{path.stem}.mpy"), f"lib/{path.name}") for path in sources]
+    names = sorted(path.relative_to(job.sources).as_posix() for path in (job.sources / "lib").rglob("*.py"))
+    return [build.compile_command(Path("firmware") / name, Path(name).with_suffix(".mpy"), name) for name in names]
+
+
+def _survey_preview(job: Job) -> list[list[str]]:
+    return [tools.mpremote(job.port, "exec", "<list every file with its SHA-256>")]
+
+
+def _save_preview(job: Job) -> list[list[str]]:
+    return [] if job.blank else [*_survey_preview(job), tools.mpremote(job.port, "fs", "cp", f":{build.SETTINGS}", "<backup>")]
+
+
+def _copy_preview(what: str, name: str) -> Callable[[Job], list[list[str]]]:
+    return lambda job: [tools.mpremote(job.port, "fs", "cp", f"<{what}>", f":{name}")]
 
 
 _SECOND_HALF = [
-    Step("copy what changed", _copy, _copy_preview),
-    Step("settings (robot.json)", _put_settings, lambda job: [tools.mpremote(job.port, "fs", "cp", "<kept or default robot.json>", ":robot.json")]),
-    Step("key of the network link", _put_key, lambda job: [tools.mpremote(job.port, "fs", "cp", "<32 random bytes, if it has none>", f":{KEY_FILE}")]),
-    Step("read back and compare", _compare, _survey_command),
-    Step("restart, wait for the firmware's hello", _start, lambda job: []),
+    Step("copy what changed", _copy, _copy_preview("each changed file", "<its name>")),
+    Step("settings (robot.json)", _put_settings, _copy_preview("the kept one, else the default", build.SETTINGS)),
+    Step("key of the network link", _put_key, _copy_preview("32 random bytes, if it has none", KEY_FILE)),
+    Step("read back and compare", _compare, _survey_preview),
+    Step("restart, wait for the firmware's hello", _start),
 ]
 
 FLASH = [
-    Step("stock MicroPython image", _get_image, lambda job: [["fetch", image.PINNED.url]] if not job.firmware else [["check", str(job.firmware)]]),
+    Step("stock MicroPython image", _get_image, _fetch_preview),
     Step("compile the firmware", _compile, _compile_preview),
-    Step(
-        "save the settings on the board (robot.json)",
-        _save_settings,
-        lambda job: [] if job.blank else [*_survey_command(job), tools.mpremote(job.port, "fs", "cp", ":robot.json", "<backup>")],
-    ),
+    Step("save the settings on the board (robot.json)", _save_settings, _save_preview),
     Step("erase", _erase, lambda job: [rom.erase_command(job.port, job.baud)]),
     Step("write MicroPython", _write, lambda job: [rom.write_command(job.port, job.firmware or image.PINNED.name, job.baud)]),
-    Step("wait for MicroPython", _wait, _survey_command),
+    Step("wait for MicroPython", _wait, _survey_preview),
     *_SECOND_HALF,
 ]
 
 DEPLOY = [
     Step("compile the firmware", _compile, _compile_preview),
-    Step("look at the board, save its settings", _find, lambda job: [*_survey_command(job), tools.mpremote(job.port, "fs", "cp", ":robot.json", "<backup>")]),
+    Step("look at the board, save its settings", _find, _save_preview),
     *_SECOND_HALF,
 ]

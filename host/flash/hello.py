@@ -46,9 +46,9 @@ def ask_prompt(port: str, seconds: float = PATIENCE) -> tuple[bool, bytes]:
 
 
 def wait_for_prompt(port: str, timeout: float = 30) -> None:
-    """Returns when a board that has just been restarted answers. Raises FlashError, with the reason if the board gives one, after `timeout` s.
+    """Returns when a board that has just been restarted answers.
 
-    A blank board makes its file system at its first start, which takes some seconds.
+    Raises FlashError, with the reason if the board gives one, after `timeout` s. A blank board makes its file system at its first start, which takes some seconds.
     """
     end = time.monotonic() + timeout
     while True:
@@ -83,12 +83,20 @@ def diagnose(said: bytes, what: str) -> FlashError:
     """The error for a board that said `said` and then did not do what it should; `what` names that."""
     text = said.decode(errors="replace")
     if "Brownout" in text:
-        return FlashError("the board resets itself: its supply voltage drops",
-                          "feed it from a stronger USB port or a shorter cable; unplug servos and motors while flashing")  # fmt: skip
+        return FlashError(
+            "the board resets itself: its supply voltage drops",
+            "feed it from a stronger USB port or a shorter cable; unplug servos and motors while flashing",
+        )
     if text.count("rst:0x") >= _RESETS:
-        return FlashError("the board restarts over and over (boot loop)", "run make flash again; if it stays so: BAUD=115200, a better cable, another board")
-    if trace := re.search(r"Traceback.*", text, re.S):
-        return FlashError(f"the firmware stopped with an error:\n{trace[0].strip()}", "correct robot.json or the file named above, then make deploy")
+        return FlashError(
+            "the board restarts over and over (boot loop)",
+            "run make flash again; if it stays so: BAUD=115200, a better cable, another board",
+        )
+    if trace := re.search(r"Traceback.*", text, re.DOTALL):
+        return FlashError(
+            f"the firmware stopped with an error:\n{trace[0].strip()}",
+            "correct robot.json or the file named above, then make deploy",
+        )
     if not text.strip():
         return FlashError(what, "the board is silent: press its EN (reset) button, check the cable, then run this again")
     return FlashError(f"{what}; the board said:\n{text.strip()[-800:]}", tools.remedy(""))

@@ -7,6 +7,8 @@ import secrets
 import time
 from pathlib import Path
 
+from host import compat
+
 from . import places
 
 KEY_SIZE = 32  # bytes
@@ -39,13 +41,21 @@ def backups(board: str) -> list[Path]:
 
 
 def doubts(settings: bytes, default: bytes) -> str:
-    """What looks wrong with a kept robot.json beside the default one; empty if nothing. It is kept all the same."""
+    """What is wrong with a kept robot.json, or missing beside the default one; empty if nothing. It is kept all the same."""
+    compat.install()
+    from config import Config, ConfigError
+
+    stands = "the robot will not drive until it is corrected"
     try:
         mine = json.loads(settings)
     except ValueError as error:
-        return f"is no valid JSON ({error}): the robot will not drive until it is corrected"
+        return f"is no valid JSON ({error}): {stands}"
     if not isinstance(mine, dict):
-        return "is no JSON object: the robot will not drive until it is corrected"
+        return f"is no JSON object: {stands}"
+    try:
+        Config(mine)
+    except ConfigError as error:
+        return f"is not what this firmware takes ({error}): {stands}"
     missing = sorted(_keys(json.loads(default)) - _keys(mine))
     return f"lacks {', '.join(missing)}: the defaults hold for these" if missing else ""
 

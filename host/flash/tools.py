@@ -7,17 +7,44 @@ import threading
 
 from .errors import FlashError
 
-# What the tools print -> what to do. The first that matches wins.
+# (what a tool prints, what to do): the first that matches wins
 _REMEDIES = [
-    (r"[Pp]ermission denied", "join the group that owns the port: sudo usermod -aG dialout $USER (uucp on Arch), then log out and in again"),
-    (r"[Ww]rong chip argument|chip is .*not ESP32\b|Unexpected chip ID|invalid for this chip", "this robot needs a plain ESP32 (WROOM-32); check which board is on this port, or name another: PORT=..."),
-    (r"busy|in use by another program|[Cc]ould not exclusively lock", "close the program that uses the port (a monitor, a terminal), then run this again"),
-    (r"No such file or directory|doesn't exist|could not open port", "check the cable and the name of the port: PORT=/dev/ttyUSB0"),
-    (r"[Ff]ailed to connect|[Nn]o serial data received|[Ww]rong boot mode|[Tt]imed out waiting for packet", "hold the BOOT button while it connects; try another cable; or a lower rate: BAUD=115200"),
-    (r"MD5 of file does not match|[Ii]nvalid head of packet|[Ss]erial data stream stopped|[Cc]orrupt", "the line is disturbed: use a shorter cable, no hub, and a lower rate: BAUD=115200"),
-    (r"device (disconnected|reports readiness)|Input/output error|[Dd]evice not configured", "the board went away: check the cable and its power, then run this again"),
-    (r"ENOSPC|\[Errno 28\]|No space left", "not enough room on the board: remove files of your own from it (mpremote fs ls, mpremote fs rm), or run make flash, which empties it"),
-    (r"could not enter raw repl", "the board does not answer at the prompt: press its EN (reset) button and run this again; if that fails, make flash"),
+    (
+        r"[Pp]ermission denied",
+        "join the group that owns the port: sudo usermod -aG dialout $USER (uucp on Arch), then log out and in again",
+    ),
+    (
+        r"[Ww]rong chip argument|chip is .*not ESP32\b|Unexpected chip ID|invalid for this chip",
+        "this robot needs a plain ESP32 (WROOM-32); check which board is on this port, or name another: PORT=...",
+    ),
+    (
+        r"busy|in use by another program|[Cc]ould not exclusively lock",
+        "close the program that uses the port (a monitor, a terminal), then run this again",
+    ),
+    (
+        r"No such file or directory|doesn't exist|could not open port",
+        "check the cable and the name of the port: PORT=/dev/ttyUSB0",
+    ),
+    (
+        r"[Ff]ailed to connect|[Nn]o serial data received|[Ww]rong boot mode|[Tt]imed out waiting for packet",
+        "hold the BOOT button while it connects; try another cable; or a lower rate: BAUD=115200",
+    ),
+    (
+        r"MD5 of file does not match|[Ii]nvalid head of packet|[Ss]erial data stream stopped|[Cc]orrupt",
+        "the line is disturbed: use a shorter cable, no hub, and a lower rate: BAUD=115200",
+    ),
+    (
+        r"device (disconnected|reports readiness)|Input/output error|[Dd]evice not configured",
+        "the board went away: check the cable and its power, then run this again",
+    ),
+    (
+        r"ENOSPC|\[Errno 28\]|No space left",
+        "not enough room on the board: remove files of your own from it (mpremote fs ls, mpremote fs rm), or make flash, which empties it",
+    ),
+    (
+        r"could not enter raw repl",
+        "the board does not answer at the prompt: press its EN (reset) button and run this again; if that fails, make flash",
+    ),
     (r"No module named", "install what this needs: make setup"),
     (r"MemoryError", "press the board's EN (reset) button and run this again"),
 ]

@@ -76,7 +76,9 @@ class EmulatedBoard:
     magic, spoil: see `emulated_rom.Loader`. deaf: MicroPython never answers, as when a program does not let go of the prompt.
     """
 
-    def __init__(self, folder: Path, hello: bytes = b"", file_space: int = 0x200000, magic: int = ESP32_MAGIC, spoil: bool = False, deaf: bool = False):
+    def __init__(
+        self, folder: Path, hello: bytes = b"", file_space: int = 0x200000, magic: int = ESP32_MAGIC, spoil: bool = False, deaf: bool = False
+    ):
         self.flash = Flash(folder / "flash.bin")
         self.loader = Loader(self.flash, self._send, magic, spoil)
         self.hello, self.file_space, self.deaf = hello, file_space, deaf

@@ -19,7 +19,18 @@ from emulated_rom import ESP32_S2_MAGIC, MAC  # noqa: E402
 
 from host import compat  # noqa: E402
 from host.flash import __main__ as command_line  # noqa: E402
-from host.flash import board, build, flow, hello, image, keep, places, ports, rescue, tools  # noqa: E402
+from host.flash import (  # noqa: E402
+    board,
+    build,
+    flow,
+    hello,
+    image,
+    keep,
+    places,
+    ports,
+    rescue,
+    tools,
+)
 from host.flash.errors import FlashError  # noqa: E402
 
 compat.install()
@@ -27,8 +38,8 @@ import telemetry  # noqa: E402
 
 HELLO = b"starting\r\n" + telemetry.frame(telemetry.HELLO, bytes(12) + b'{"firmware": "0.1.0", "robot": "twin"}')
 IDENTITY = MAC.hex()
-MINE = b'{"axles": 5, "avoid": {"margin": 17}}'
-DEFAULT = b'{"axles": 5, "avoid": {"margin": 12}, "radio": {"ssid": ""}}'
+MINE = b'{"robot": {"length": 610}, "avoid": {"margin": 17}}'
+DEFAULT = b'{"robot": {"length": 600}, "avoid": {"margin": 12}, "wifi": {"ssid": ""}}'
 IMAGE = b"\xe9" + bytes(11) + b"\0\0" + bytes(range(256)) * 20
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the board is emulated on a pseudo-terminal")
@@ -111,16 +122,32 @@ def test_flash_keeps_the_settings(connect, perform):
     assert emulated.get("robot.json") == MINE
     assert emulated.get("main.py") == b"import wheels\n"
     assert [path.read_bytes() for path in keep.backups(IDENTITY)] == [MINE]
-    assert "lacks radio.ssid" in printed
+    assert "lacks wifi.ssid" in printed
 
 
-@pytest.mark.parametrize("settings", [b"{ not json", b"", b"[]", "{\"größe\": 1}".encode()])
-def test_flash_keeps_even_broken_settings(connect, perform, settings):
+def test_flash_keeps_even_broken_settings(connect, perform):
+    settings = "{ kein JSON, größer".encode()
     emulated = connect()
     emulated.install()
     emulated.put({"robot.json": settings})
-    perform(flow.FLASH, emulated)
+    assert "no valid JSON" in perform(flow.FLASH, emulated)
     assert emulated.get("robot.json") == settings
+
+
+@pytest.mark.parametrize(
+    "settings, told",
+    [
+        (b"", "no valid JSON"),
+        (b"[]", "no JSON object"),
+        (b'{"avoid": {"margin": 900}}', "avoid.margin = 900"),
+        (b'{"avoid": {"margn": 9}}', "avoid.margn"),
+        (b'{"avoid": {"margin": 9}}', "lacks robot.length, wifi.ssid"),
+        (DEFAULT, ""),
+    ],
+)
+def test_doubts_about_settings(settings, told):
+    assert told in keep.doubts(settings, DEFAULT)
+    assert bool(told) == bool(keep.doubts(settings, DEFAULT))
 
 
 def test_settings_are_rescued_from_a_board_that_does_not_answer(connect, perform):
