@@ -99,7 +99,7 @@ class Commands:
             try:
                 value = json.loads(value)
             except ValueError:
-                raise ValueError("%s: %s is no value as in JSON" % (key, value))
+                raise ValueError("%s: %s is no value as in JSON" % (key, value)) from None
             settings.tune(key.strip(), value)
         elif kind == telemetry.KEEP:
             settings.keep()

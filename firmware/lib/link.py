@@ -132,9 +132,14 @@ class Link:
         if self._due(now_us, self._hello_us, _HELLO_US) or commands.greeted:
             self._hello(now_us)
         elif listened:
-            size = self._once() if self._has_room() else 0
+            size = 0
+            waits = self._replies or self._logs or self._names_due or commands.listing >= 0
+            if waits and self._has_room():
+                size = self._once()
             if not size:
-                size = self._next(now_us, robot)
+                size = self._again(now_us, robot)
+            if not size and not waits:
+                size = self._bulky(now_us, robot)  # these would leave no room for what waits
             if size:
                 self._send(size, now_us)
 
@@ -186,13 +191,13 @@ class Link:
             return report.parameter(self._config, number)
         return 0
 
-    def _next(self, now_us, robot):
-        """Compose the most urgent of the messages that are told again and again; 0 when none is due."""
-        report, commands = self._report, self._commands
+    def _again(self, now_us, robot):
+        """Compose the most urgent of the short messages that are told again and again; 0 when none is due."""
+        report = self._report
         avoid = robot.avoid
         if avoid.decisions != self._decisions:
             self._decisions = avoid.decisions
-            return report.decision(avoid, commands.state, now_us, robot.took_us)
+            return report.decision(avoid, self._commands.state, now_us, robot.took_us)
         if self._due(now_us, self._wheels_us, _WHEELS_US):
             self._wheels_us = now_us
             self._pose_next = True
@@ -200,6 +205,15 @@ class Link:
         if self._pose_next:
             self._pose_next = False
             return report.pose(robot.odometry, now_us)
+        if robot.health is not None and self._due(now_us, self._health_us, _HEALTH_US):
+            self._health_us = now_us
+            return report.health(robot.health, robot.lidar, self.dropped, self._commands.refused, self.radio)
+        return 0
+
+    def _bulky(self, now_us, robot):
+        """Compose the most urgent of the long messages; 0 when none is due."""
+        report, commands = self._report, self._commands
+        avoid = robot.avoid
         if self._points_of != self._decisions and self._due(now_us, self._points_us, max(_POINTS_US, avoid.points_count * _POINT_US)):
             self._points_us = now_us
             self._points_of = self._decisions
@@ -210,9 +224,6 @@ class Link:
             self._candidates_us = now_us
             self._side = 1 - self._side
             return report.candidates(avoid, self._side | (2 if avoid.v < 90 else 0), now_us)
-        if self._due(now_us, self._health_us, _HEALTH_US):
-            self._health_us = now_us
-            return report.health(robot.health, robot.lidar, self.dropped, commands.refused, self.radio)
         return 0
 
     def _hello(self, now_us):

@@ -40,7 +40,7 @@ class Settings:
                 _write(file, values)
             os.rename(part, self._path)
         except OSError as error:
-            raise ValueError("%s cannot be written: %s" % (self._path, error))
+            raise ValueError("%s cannot be written: %s" % (self._path, error)) from None
 
 
 def _put(values, key, value, config):

@@ -1,5 +1,5 @@
 """A robot with a radio and nothing else, for MicroPython: the firmware's own link over real sockets. Arguments: folder of the firmware's
-modules, UDP port. Prints each change of what it is asked to do."""
+modules, UDP port. Prints each change of what it is asked to do, with its time in us."""
 
 import sys
 import time
@@ -54,12 +54,13 @@ class Robot:
 
 
 carrier = Datagrams(Wlan(), socket, int(sys.argv[2]))
-link = Link(Config, None, {"robot": "gapseeker-0000", "board": "00ff", "firmware": "0"}, {"reasons": [], "faults": []}, [carrier], b"12345678", bytes(range(32)))
+identity = {"robot": "gapseeker-0000", "board": "00ff", "firmware": "0"}
+link = Link(Config, None, identity, {"reasons": [], "faults": []}, [carrier], b"12345678", bytes(range(32)))
 last = None
 while True:
     now = time.ticks_us()
     link.update(now, Robot)
     if link.state != last:
         last = link.state
-        print(time.time(), last)
+        print(now, last)
     time.sleep_ms(5)
