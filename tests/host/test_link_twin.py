@@ -1,0 +1,119 @@
+"""The link in the whole firmware, in the twin's own time: driving by hand, stop, what the robot tells."""
+
+import math
+import struct
+
+import pytest
+
+from host.link import messages
+from host.link.messages import telemetry
+from host.twin import Watch, run
+
+
+class Hand(Watch):
+    """Sends commands at given times (s) and notes the speed of the body and the messages of the robot."""
+
+    def __init__(self, plan):
+        self.plan = sorted(plan, key=lambda item: item[0])
+        self.sent = 0
+        self.now = 0.0
+        self.speeds = []
+        self.decoder = telemetry.Decoder()
+        self.messages = []
+
+    def step(self, simulation):
+        self.now = simulation.now / 1e6
+        vx, vy, w = simulation.body.twist
+        self.speeds.append((self.now, math.hypot(vx, vy) + 200 * abs(w)))
+
+    def commands(self):
+        data = b""
+        while self.plan and self.plan[0][0] <= self.now:
+            _, kind, payload = self.plan.pop(0)
+            self.sent += 1
+            data += telemetry.frame(kind, payload, self.sent)
+        return data
+
+    def serial(self, data):
+        at = 0
+        while True:
+            while self.decoder.take():
+                payload = bytes(self.decoder.data[self.decoder.start : self.decoder.end])
+                self.messages.append((self.now, messages.decode(self.decoder.kind, payload)))
+            count = min(self.decoder.room(), len(data) - at)
+            if count <= 0:
+                return
+            self.decoder.feed(data, at, count)
+            at += count
+
+    def fastest(self, start, end):
+        return max(speed for time, speed in self.speeds if start <= time < end)
+
+    def told(self, kind):
+        return [message for _, message in self.messages if message and message["type"] == kind]
+
+
+def drive(what, af=0, ar=0, v=90):
+    return telemetry.DRIVE, messages.drive(1, what, af, ar, v)
+
+
+def test_a_lost_hand_stops_the_robot_within_300_ms():
+    held = [(1.0 + 0.08 * k, *drive("manual", v=110)) for k in range(13)]  # the last at 1.96 s
+    watch = Hand([(0.5, *drive("stop")), *held])
+    run("Z", 620, watch=watch, limit_s=3, record=False)
+    assert watch.fastest(0.9, 1.0) < 1
+    assert watch.fastest(1.5, 1.96) > 200
+    # Stopped is what the motors are told; the wheels run out after it with their own time constant.
+    stopped = [time for time, message in watch.messages if message and message["type"] == "decision" and message["state"] == "stopped" and time > 1.9]
+    assert 2.15 < stopped[0] < 2.35
+    assert watch.fastest(2.7, 3) < 2
+
+
+@pytest.mark.parametrize("af, ar, mode", [(30, -30, 1), (0, -30, 2), (30, 0, 3), (90, -90, 4), (60, 60, 5)])
+def test_five_modes_by_hand(af, ar, mode):
+    """Each mode moves the body the way it should; the twin knows nothing of AF and AR."""
+    watch = Hand([(0.5, *drive("stop")), *[(0.8 + 0.1 * k, *drive("manual", af, ar, 100)) for k in range(20)]])
+    twists = []
+    watch.step = lambda simulation, step=watch.step: (step(simulation), twists.append((watch.now, *simulation.body.twist)))
+    run("random", gap=900, seed=0, watch=watch, limit_s=2.4, record=False)
+    _, vx, vy, w = twists[-1]
+    if mode == 4:
+        assert w > 0.2 and math.hypot(vx, vy) < 15
+    elif mode == 5:
+        assert abs(w) < 0.03 and math.degrees(math.atan2(vx, vy)) == pytest.approx(60, abs=3)
+    else:
+        assert w > 0.05 and vy > 50
+    assert watch.told("decision")[-1]["mode"] == mode
+
+
+def test_stop_and_auto():
+    watch = Hand([(1.0, *drive("stop")), (2.0, *drive("auto"))])
+    run("Z", 620, watch=watch, limit_s=3, record=False)
+    assert watch.fastest(0.9, 1.0) > 100 and watch.fastest(1.5, 2.0) < 2 and watch.fastest(2.5, 3) > 100
+    assert [reply["status"] for reply in watch.told("reply")] == ["ok", "ok"]
+
+
+def test_everything_is_told_and_little_is_lost():
+    plan = [(0.5, telemetry.LIST, messages.plain(1)), (0.6, telemetry.TUNE, messages.tune(2, "avoid.margin", 999))]
+    watch = Hand([*plan, (0.7, telemetry.TUNE, messages.tune(3, "avoid.margin", 18)), (1.0, telemetry.WATCH, messages.watch(4, True, True))])
+    run("Z", 620, watch=watch, limit_s=4, record=False)
+    for kind in ("hello", "names", "decision", "wheels", "points", "pose", "health", "scan", "candidates", "parameter"):
+        assert watch.told(kind), kind
+    listed = watch.told("parameter")
+    assert len(listed) == listed[0]["of"]
+    assert [reply["status"] for reply in watch.told("reply")] == ["ok", "refused", "ok", "ok"]
+    assert "0" in watch.told("reply")[1]["text"] and "avoid.margin" in watch.told("reply")[1]["text"]
+    numbers = [decision["number"] for decision in watch.told("decision")]
+    assert len(numbers) > 0.9 * (numbers[-1] - numbers[0] + 1)
+    points = watch.told("points")[-1]
+    assert len(points["x"]) == len(points["y"]) == len(points["window"]) > 20
+    scan = watch.told("scan")[-1]
+    assert 500 < len(scan["distances"]) < 700
+
+
+def test_one_wheel_is_turned_alone_and_only_while_the_robot_stands():
+    point = struct.pack(telemetry.POINT_FORMAT, 1, 0, 200)
+    watch = Hand([(1.0, telemetry.POINT, point), (1.6, telemetry.POINT, point)])
+    run("Z", 620, watch=watch, limit_s=2.2, record=False)
+    assert [reply["status"] for reply in watch.told("reply")] == ["refused", "ok"]
+    assert "must stand" in watch.told("reply")[0]["text"]
