@@ -5,6 +5,7 @@ the download from micropython.org.
 """
 
 import hashlib
+import os
 import stat
 import sys
 from pathlib import Path
@@ -239,6 +240,16 @@ def test_wrong_chip(connect, perform):
     with pytest.raises(FlashError, match="needs a plain ESP32"):
         perform(flow.FLASH, emulated)
     assert 0xD0 not in emulated.loader.commands  # nothing was erased
+
+
+def test_a_loader_that_does_not_answer():
+    master, slave = os.openpty()
+    try:
+        with pytest.raises(FlashError, match="hold the BOOT button"):
+            tools.show(rom.erase_command(os.ttyname(slave), 460800))
+    finally:
+        os.close(master)
+        os.close(slave)
 
 
 def test_a_disturbed_line_is_noticed(connect, perform):

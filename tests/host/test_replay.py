@@ -4,6 +4,8 @@ import shutil
 
 import pytest
 
+from host.link import messages
+from host.link.messages import telemetry
 from host.recording import Decision, Header, Reader, Stream, Writer
 from host.replay import __main__ as command_line
 from host.replay import compare, table
@@ -61,6 +63,29 @@ class Meddler(Watch):
         return b"\x05" if 500_000 < self._now < 700_000 else b""
 
 
+class Hand(Watch):
+    """Drives by hand for a while, tunes, then lets the robot drive itself."""
+
+    def __init__(self):
+        self._now = 0
+        self._next = 500_000
+        self._sent = 0
+
+    def step(self, simulation):
+        self._now = simulation.now
+
+    def commands(self):
+        if self._now < self._next:
+            return b""
+        self._next += 100_000
+        self._sent += 1
+        if self._sent < 20:
+            return telemetry.frame(telemetry.DRIVE, messages.drive(self._sent, "manual", 20, -20, 108))
+        if self._sent == 20:
+            return telemetry.frame(telemetry.TUNE, messages.tune(self._sent, "avoid.margin", 19))
+        return telemetry.frame(telemetry.DRIVE, messages.drive(self._sent, "auto"))
+
+
 @pytest.fixture(scope="module")
 def firmware(tmp_path_factory):
     """A copy of the firmware, and the recording of its first seconds."""
@@ -95,6 +120,14 @@ def test_everything_from_outside_is_replayed(tmp_path, capsys):
     assert last[3] > 5 and last[5] == 1  # commands were heard, the lost chip was noticed
     assert replay(tmp_path, path) == 0
     assert replay(tmp_path, path, "--engine", "cpython") == 0
+
+
+def test_driving_by_hand_is_replayed(firmware, tmp_path, capsys):
+    path = tmp_path / "hand.rec"
+    run("Z", 600, firmware=firmware, limit_s=SECONDS, record=path, watch=Hand())
+    decisions = [Decision.unpack(record.data) for record in Reader(path).stream(Stream.DECISION)]
+    assert {decision.af for decision in decisions} > {200}
+    assert replay(firmware, path) == 0, capsys.readouterr().out
 
 
 def test_a_cut_file_is_replayed_up_to_the_cut(firmware, recording, tmp_path, capsys):
