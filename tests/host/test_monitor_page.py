@@ -209,3 +209,60 @@ def test_it_fits_a_phone(monitor):
         assert page.until(lambda: page.text("state") == "stopped")
     finally:
         page.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+GEOMETRY = """
+const done = arguments[arguments.length - 1], [cases] = arguments;
+import("/geometry.js").then((g) => {
+  const body = g.bodyOf({});
+  done(cases.map(([af, ar]) => {
+    const t = g.twist(body, af, ar);
+    const angles = g.wheels(body).map((p) => Math.atan2(t.vx + t.w * p.y, t.vy - t.w * p.x) * 180 / Math.PI);
+    // The way in closed form against ten thousand small steps.
+    let at = { x: 0, y: 0, heading: 0 };
+    for (let i = 0; i < 10000; i++) {
+      const s = Math.sin(at.heading), c = Math.cos(at.heading), d = 0.07;
+      at = { x: at.x + (t.vx * c + t.vy * s) * d, y: at.y + (t.vy * c - t.vx * s) * d, heading: at.heading + t.w * d };
+    }
+    const end = g.pose(t, 700);
+    return { angles, error: Math.hypot(end.x - at.x, end.y - at.y), turn: Math.abs(end.heading - at.heading) };
+  }));
+});
+"""
+
+
+def test_the_page_s_geometry_is_the_robot_s(monitor):
+    """Wheel angles against the firmware's steering; swept ways against small steps."""
+    import telemetry  # noqa: F401  makes sure that the firmware's modules can be imported
+    from steering import Steering
+
+    page = monitor("twin:z?width=620")
+    steering = Steering([115, 150, 117, 115], 230, 248.5)
+    cases = [(60, -60), (-30, 12), (0, -40), (35, 0), (50, 50), (25, 10), (90, -90)]
+    found = page.browser.execute_async_script(GEOMETRY, cases)
+    for (af, ar), one in zip(cases, found, strict=True):
+        assert steering.solve(af * 10, ar * 10)
+        for k, angle in enumerate(one["angles"]):
+            # A wheel that would turn by more than 90 degrees is turned the other way round and reversed.
+            apart = (angle - steering.angles[k] / 10 + 90) % 180 - 90
+            assert abs(apart) < 0.15, (af, ar, k)
+        assert one["error"] < 0.5 and one["turn"] < 1e-3
+    assert found[0]["angles"][0] == pytest.approx(43.87, abs=0.01) and found[0]["angles"][1] == pytest.approx(83.46, abs=0.01)
+
+
+def test_a_gamepad_drives(monitor):
+    page = monitor("twin:random?seed=3")
+    assert page.until(lambda: page.speeds())
+    page.click("stop")
+    assert page.until(lambda: page.text("state") == "stopped")
+    pad = """window.pad = {axes: [0, 0], buttons: Array.from({length: 10}, () => ({pressed: false}))};
+        Object.defineProperty(navigator, "getGamepads", {value: () => [window.pad]})"""
+    page.browser.execute_script(pad)
+    page.browser.execute_script("window.pad.axes = [0, -1]")
+    assert page.until(lambda: page.text("state") == "manual" and max(page.speeds()) > 100)
+    page.browser.execute_script("window.pad.axes = [0.05, 0.02]")
+    assert page.until(lambda: max(map(abs, page.speeds())) == 0, 2)
+    page.browser.execute_script("window.pad.axes = [1, 0]; window.pad.buttons[5].pressed = true")
+    assert page.until(lambda: page.browser.find_elements("css selector", "#modes [aria-checked=true]")[0].text.startswith("2"))
+    page.browser.execute_script("window.pad.axes = [0, 0]; window.pad.buttons[0].pressed = true")
+    assert page.until(lambda: page.text("state") == "stopped")

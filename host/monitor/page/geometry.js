@@ -27,6 +27,8 @@ export function twist(body, af, ar) {
   const base = body.spacings.reduce((sum, gap) => sum + gap, 0);
   const middle = body.first - base / 2; // the form holds at the middle of the wheelbase
   let vx = Math.sin(f + r) / 2, vy = Math.cos(f) * Math.cos(r), w = Math.sin(f - r) / base;
+  // One form serves every mode but spinning, where it comes to nothing.
+  if (Math.abs(af) === 90 && ar === -af) [vx, vy, w] = [0, 0, Math.sign(af) / base];
   vx -= w * middle;
   const fastest = Math.max(...wheels(body).map((p) => Math.hypot(vx + w * p.y, vy - w * p.x)));
   if (fastest < 1e-9) return { vx: 0, vy: 0, w: 0 };
