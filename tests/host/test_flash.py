@@ -12,27 +12,14 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import serial
+from emulated_board import EmulatedBoard
+from emulated_rom import ESP32_S2_MAGIC, MAC
 
-serial = pytest.importorskip("serial", reason="needs esptool and mpremote: make setup")
-
-from emulated_board import EmulatedBoard  # noqa: E402
-from emulated_rom import ESP32_S2_MAGIC, MAC  # noqa: E402
-
-from host import compat  # noqa: E402
-from host.flash import __main__ as command_line  # noqa: E402
-from host.flash import (  # noqa: E402
-    board,
-    build,
-    flow,
-    hello,
-    image,
-    keep,
-    places,
-    ports,
-    rescue,
-    tools,
-)
-from host.flash.errors import FlashError  # noqa: E402
+from host import compat
+from host.flash import __main__ as command_line
+from host.flash import board, build, flow, hello, image, keep, places, ports, rescue, rom, tools
+from host.flash.errors import FlashError
 
 compat.install()
 import telemetry  # noqa: E402
