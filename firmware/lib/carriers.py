@@ -29,6 +29,7 @@ _BLOCK = const(64)
 _UNIT = const(8)
 _FIFO = const(120)
 
+HOST = "robot"
 _LISTENS_US = const(3_000_000)
 _JOIN_US = const(500_000)
 
@@ -251,8 +252,10 @@ def start_radio(config, network):
     """Switch WiFi on as a station or an access point and return the WLAN; it joins by itself, without waiting.
 
     config: wifi_ssid, wifi_password, wifi_access_point (True: be the network instead of joining it). Call it early: the radio's memory must be
-    there before the heap grows into it.
+    there before the heap grows into it. The robot is then robot.local for those who ask by mDNS. Raises what the network module raises for
+    credentials it does not take.
     """
+    network.hostname(HOST)
     if config.wifi_access_point:
         wlan = network.WLAN(network.AP_IF)
         wlan.active(True)

@@ -257,16 +257,21 @@ def start_link(config, settings, machine):
     """
     carriers = [SerialLine()]
     key = None
+    remarks = []
     if config.wifi_ssid:
         import network
         import socket
 
-        carriers.append(Datagrams(start_radio(config, network), socket, config.wifi_port))
+        try:
+            carriers.append(Datagrams(start_radio(config, network), socket, config.wifi_port))
+        except (OSError, RuntimeError, ValueError) as error:
+            # A robot without its radio still drives, stops and speaks over USB.
+            remarks.append("no WiFi: %s; look at wifi.ssid and wifi.password (8 characters or more) in robot.json" % error)
         try:
             with open(KEY_FILE, "rb") as file:
                 key = file.read()
         except OSError:
-            pass
+            remarks.append("no %s: commands over WiFi are refused; make deploy puts one on the board" % KEY_FILE)
     board = machine.unique_id().hex()
     identity = {
         "firmware": VERSION,
@@ -281,4 +286,7 @@ def start_link(config, settings, machine):
         "full_speed": config.motors_full_speed,
         "lidar": [config.lidar_x, config.lidar_y],
     }
-    return Link(config, settings, identity, {"reasons": REASONS, "faults": FAULTS}, carriers, os.urandom(SESSION), key)
+    link = Link(config, settings, identity, {"reasons": REASONS, "faults": FAULTS}, carriers, os.urandom(SESSION), key)
+    for remark in remarks:
+        link.log(1, remark)
+    return link

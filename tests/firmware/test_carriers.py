@@ -5,7 +5,7 @@ import sys
 
 import micropython
 import telemetry
-from carriers import Datagrams, SerialLine
+from carriers import Datagrams, SerialLine, start_radio
 from telemetry import Encoder, decode, frame
 
 MICROPYTHON = sys.implementation.name == "micropython"
@@ -292,3 +292,63 @@ def test_half_a_frame_in_a_datagram_is_forgotten():
     for data in (whole[:9], b"", whole[9:], b"\xf7" * 256, whole):
         sockets.received.append((data, ("10.0.0.7", 1)))
     assert [radio.take(0) for _ in range(5)] == [False, False, False, False, True]
+
+
+class Network:
+    """The network module, writing down what is asked of it."""
+
+    STA_IF, AP_IF, AUTH_WPA2_PSK = 0, 1, 3
+
+    def __init__(self):
+        self.asked = []
+        network = self
+
+        class WLAN:
+            PM_NONE = 0
+
+            def __init__(self, interface):
+                network.asked.append(("interface", interface))
+
+            def active(self, flag):
+                network.asked.append(("active", flag))
+
+            def connect(self, ssid, password):
+                network.asked.append(("connect", ssid, password))
+
+            def config(self, **settings):
+                network.asked.append(("config", settings))
+
+        self.WLAN = WLAN
+
+    def hostname(self, name):
+        self.asked.append(("hostname", name))
+
+
+class Wifi:
+    wifi_ssid = "home"
+    wifi_password = "secret12"
+    wifi_access_point = False
+
+
+def test_the_radio_joins_a_network_without_power_saving():
+    network = Network()
+    start_radio(Wifi, network)
+    assert network.asked == [
+        ("hostname", "robot"), ("interface", 0), ("active", True), ("connect", "home", "secret12"), ("config", {"pm": 0}),
+    ]  # fmt: skip
+
+
+def test_the_radio_is_a_network():
+    class Open(Wifi):
+        wifi_access_point = True
+        wifi_password = ""
+
+    class Closed(Wifi):
+        wifi_access_point = True
+
+    network = Network()
+    start_radio(Open, network)
+    assert ("interface", 1) in network.asked and ("config", {"ssid": "home"}) in network.asked
+    network = Network()
+    start_radio(Closed, network)
+    assert ("config", {"ssid": "home", "key": "secret12", "security": 3}) in network.asked
