@@ -259,12 +259,12 @@ def start_link(config, settings, machine):
     key = None
     remarks = []
     if config.wifi_ssid:
-        import network
-        import socket
-
         try:
+            import network
+            import socket
+
             carriers.append(Datagrams(start_radio(config, network), socket, config.wifi_port))
-        except (OSError, RuntimeError, ValueError) as error:
+        except (ImportError, OSError, RuntimeError, ValueError) as error:
             # A robot without its radio still drives, stops and speaks over USB.
             remarks.append("no WiFi: %s; look at wifi.ssid and wifi.password (8 characters or more) in robot.json" % error)
         try:

@@ -117,3 +117,12 @@ def test_one_wheel_is_turned_alone_and_only_while_the_robot_stands():
     run("Z", 620, watch=watch, limit_s=2.2, record=False)
     assert [reply["status"] for reply in watch.told("reply")] == ["refused", "ok"]
     assert "must stand" in watch.told("reply")[0]["text"]
+
+
+def test_a_board_without_a_radio_drives_all_the_same():
+    watch = Hand([])
+    run("Z", 620, watch=watch, limit_s=2, record=False, changes={"wifi.ssid": "home"})
+    assert watch.fastest(1.5, 2.0) > 100
+    logs = [message["text"] for message in watch.told("log")]
+    assert "no WiFi" in logs[0] and "network.key" in logs[1]
+    assert not watch.told("health")[0]["radio"]
