@@ -11,7 +11,10 @@ import shutil
 import sys
 from pathlib import Path
 
-from . import flow, ports
+try:
+    from . import flow, ports
+except ImportError as error:
+    sys.exit(f"{error.name} is not installed for this Python; run `make setup` and use .venv/bin/python")
 from .errors import FlashError
 
 

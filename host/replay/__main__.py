@@ -11,6 +11,11 @@ import json
 import sys
 from pathlib import Path
 
+try:
+    import numpy  # noqa: F401
+except ImportError:
+    sys.exit("numpy is not installed for this Python; run `make setup` and use .venv/bin/python")
+
 from host.recording import Reader, RecordingError
 from host.twin.image import FIRMWARE, ToolMissing
 from host.twin.process import ENGINES
