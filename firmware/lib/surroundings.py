@@ -174,6 +174,8 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32
     rolled = state[5]
     size = state[2]
     far8 = state[1]
+    near8 = far8 * 3 >> 3  # two thirds of a body length
+    patience = (384 - count) * 4
     k = 0
     while k < count:
         px = (((fx[k] - x) & 0xFFFF) ^ 0x8000) - 0x8000
@@ -182,6 +184,9 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32
         if px > far8 or py > far8 or px < 0 - far8 or py < 0 - far8:
             gone = 1
         elif ((rolled - travel[k]) & 0xFFFF) > keep:
+            gone = 1
+        elif count > 300 and ((stamp - frame[k]) & 0xFFFF) > patience and (px > near8 or py > near8 or px < 0 - near8 or py < 0 - near8):
+            # Room runs out: what is out of sight and out of reach goes first, or there would be none for what comes.
             gone = 1
         elif frame[k] != stamp:
             # clockwise from the first beam and anticlockwise from the last: inside the sector
