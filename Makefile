@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test flash deploy monitor screenshots
+.PHONY: help setup demo test bench experiments flash deploy monitor screenshots
 
 help:  ## list the words
 	@sed -n 's/^\([a-z][a-z-]*\):[^#]*## /\1\t/p' $(MAKEFILE_LIST) | sort | awk -F'\t' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -29,6 +29,12 @@ demo: $(STAMP)  ## drive the Z course, 550 mm wide, in the digital twin
 
 test: $(STAMP)  ## run all tests
 	@$(RUN) -m pytest
+
+bench: $(STAMP)  ## measure what the firmware's stages take, here and on the ESP32 (modelled)
+	@$(RUN) -m host.bench
+
+experiments: $(STAMP)  ## run the papers' experiments and write docs/results.md (ARGS=--quick for a taste, --cluster ADDRESS)
+	@$(RUN) -m host.experiments $(ARGS)
 
 # What host.flash takes: PORT=/dev/ttyUSB0 FIRMWARE=file.bin BAUD=115200 BLANK=1 DRY=1
 FLASH = $(RUN) -m host.flash $(if $(PORT),--port $(PORT)) $(if $(BAUD),--baud $(BAUD)) $(if $(DRY),--dry-run)

@@ -1,0 +1,105 @@
+"""Command line of the bench."""
+
+import argparse
+import json
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from tqdm import tqdm
+
+from host.twin import image
+
+from . import scans, stages
+from .machine_code import FormatError
+from .measure import Bench, BenchError
+
+BUFFERS_BUDGET = 70_000
+RATIO_TO_PAPER, RATIO_TO_PLAIN = 100, 20
+WORKERS = 2
+DECISIONS_EACH = 2  # of each tape the baselines make so many: the plain one takes a second for one
+
+
+def main(arguments=None):
+    """Run the bench; returns the exit code: 0 done, 2 bad arguments or the firmware did not run."""
+    options = _parser().parse_args(arguments)
+    try:
+        image.compiled(Path(options.firmware))
+        found, inner = measure(scans.QUICK if options.quick else scans.COURSES, options.firmware, quiet=options.json)
+    except (BenchError, FormatError, image.ToolMissing, SyntaxError, ValueError) as error:
+        print(f"python -m host.bench: {error}", file=sys.stderr)
+        return 2
+    if options.json:
+        print(json.dumps(found))
+    else:
+        print(report(found, inner))
+    return 0
+
+
+def measure(courses=scans.COURSES, firmware=image.FIRMWARE, quiet=True):
+    """(figures, inner steps) over the courses; see stages.figures and stages.steps."""
+    here, modelled, heap, logs = stages.Samples(), stages.Samples(), [], []
+    with tqdm(total=len(courses), desc="driving the courses", disable=quiet or None) as bar:
+        tapes = scans.tapes(courses, firmware, WORKERS, bar.update)
+    bench = Bench(firmware)
+
+    def play(tape):
+        counted = bench.count(tape)
+        decisions = len(stages.samples(counted, True).whole)
+        every = 0 if tape.surprise else max(decisions // DECISIONS_EACH, 1)
+        return tape, counted, bench.time(tape, every), None if tape.surprise else bench.heap(tape)
+
+    with ThreadPoolExecutor(WORKERS) as pool, tqdm(total=len(tapes), desc="playing them back", disable=quiet or None) as bar:
+        for tape, counted, timed, grown in pool.map(play, tapes):
+            logs.append(counted)
+            for into, log, chip in ((modelled, counted, True), (here, timed, False)):
+                into.extend(stages.samples(log, chip))
+            if grown:
+                heap.append(grown)
+            bar.update()
+    return stages.figures(here, modelled, heap), stages.steps(bench, logs)
+
+
+def report(found, inner):
+    """The figures as a table, the budgets beside them."""
+    lines = [f"{'':10}{'ESP32, ms (modelled)':^30}{'here, us (MicroPython)':^32}", f"{'stage':10}{'median':>9}{'worst':>9}{'budget':>9}   {'best':>9}{'median':>9}{'worst':>9}   what"]
+    for name, stage in found["stages"].items():
+        worst, budget = stage["worst_ms_esp32"], stages.BUDGET_MS[name]
+        mark = " " if worst is None or worst <= budget else "!"
+        lines.append(
+            f"{name:10}{_cell(stage['median_ms_esp32'], 2)}{_cell(worst, 2)}{budget:9.1f} {mark} "
+            f"{_cell(stage['best_us_here'])}{_cell(stage['median_us_here'])}{_cell(stage['worst_us_here'])}   {stages.WORDS[name]}"
+        )
+    whole = found["whole_decision"]
+    lines.append(
+        f"{'whole':10}{_cell(whole['median_ms_esp32'], 2)}{_cell(whole['worst_ms_esp32'], 2)}{'':9}   {'':9}{_cell(whole['median_us_here'])}{_cell(whole['worst_us_here'])}"
+        "   a decision with all its slices"
+    )
+    lines += ["", f"{'':44}{'here':>9}{'to reach':>10}"]
+    for words, value, budget in (
+        ("heap taken by a loop in the steady state, bytes", found["heap_bytes_per_loop"], "0"),
+        ("buffers and tables on the ESP32, bytes", found["buffers_bytes_esp32"], f"{BUFFERS_BUDGET}"),
+        ("times faster than the papers' iteration", found["ratio_to_paper"], f"{RATIO_TO_PAPER}"),
+        ("times faster than the swept test untabled", found["ratio_to_plain"], f"{RATIO_TO_PLAIN}"),
+    ):
+        lines.append(f"{words:44}{value if isinstance(value, int) else format(value or 0, '.1f'):>9}{budget:>10}")
+    lines += ["", "Inner steps of the worst of each part (function: line of the loop, times, share of the part's time):"]
+    for part, rows in inner.items():
+        lines.append(f"  {part:8}" + "; ".join(f"{name} {times} {share:.0%}" for name, times, share in rows))
+    lines += ["", "! over budget. ESP32: executed instructions x CPI 2 at 240 MHz, bus at 400 kHz; the assumptions are in host/bench/costs.py."]
+    return "\n".join(lines)
+
+
+def _cell(value, digits=0):
+    return f"{'-':>9}" if value is None else f"{value:9.{digits}f}"
+
+
+def _parser():
+    parser = argparse.ArgumentParser(
+        prog="python -m host.bench", description="Measure how long the firmware's stages take, here and on the ESP32 (modelled).",
+        epilog="exit code: 0 done, 2 bad arguments or the firmware did not run",
+    )
+    parser.add_argument("--quick", action="store_true", help="two short runs instead of all courses")
+    parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    parser.add_argument("--firmware", default=image.FIRMWARE, help="folder of the firmware (default: this one)")
+    return parser

@@ -1,0 +1,99 @@
+"""Plays tapes to the firmware under MicroPython and gathers what its stages took."""
+
+import json
+import subprocess
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from host.twin import image
+
+from . import blocks, machine_code
+
+HERE = Path(__file__).resolve().parent
+HEAP = {"time": "192m", "count": "192m", "heap": "3m"}  # no collection of garbage falls into what is measured
+KINDS = ("", "poll", "place", "guard", "work", "update", "command", "points", "paper", "plain", "feed", "turn")
+_KINDS = 12
+LIMIT_S = 300
+
+
+class BenchError(Exception):
+    """The firmware did not get through a tape; the message says why."""
+
+
+@dataclass
+class Log:
+    """What one tape gave. rows: (n, 4) int: kind (index in KINDS), value, extra, simulated time us. worst: {kind: counters of its worst row}."""
+
+    rows: np.ndarray
+    worst: dict = field(default_factory=dict)
+
+
+class Bench:
+    """The firmware as it is, and a copy with counters, ready to be played tapes.
+
+    firmware: folder with main.py and lib/. `blocks`: the counted blocks with their cost. BenchError, image.ToolMissing.
+    """
+
+    def __init__(self, firmware=image.FIRMWARE):
+        firmware = Path(firmware)
+        self.board, self.plain = image.compiled(firmware)
+        paths = {path.stem: path for path in [firmware / "main.py", *sorted((firmware / "lib").glob("*.py"))]}
+        cutter = blocks.Cutter({name: path.read_text() for name, path in paths.items()})
+        machine_code.charge(cutter)
+        self.blocks = cutter.blocks
+        with tempfile.TemporaryDirectory() as folder:
+            copy = Path(folder) / "firmware"
+            (copy / "lib").mkdir(parents=True)
+            for name, path in paths.items():
+                (copy / path.relative_to(firmware)).write_text(cutter.counted[name])
+            _, self.counted = image.compiled(copy)
+
+    def time(self, tape, every=0, repeats=2):
+        """Log with microseconds here, the least of several plays; every `every`-th decision is made by the baselines as well, once."""
+        first = self._play("time", tape, self.plain, str(every)).rows
+        for _ in range(repeats - 1):
+            again = self._play("time", tape, self.plain, "0").rows
+            alone = ~np.isin(first[:, 0], (KINDS.index("paper"), KINDS.index("plain")))
+            if alone.sum() == len(again):
+                first[alone, 1] = np.minimum(first[alone, 1], again[:, 1])
+        return Log(first)
+
+    def count(self, tape):
+        """Log with instructions on the ESP32."""
+        with tempfile.NamedTemporaryFile(suffix=".costs") as costs:
+            costs.write(np.array([block.instructions for block in self.blocks], "<i4").tobytes())
+            costs.flush()
+            return self._play("count", tape, self.counted, costs.name)
+
+    def heap(self, tape):
+        """{"worst": bytes by which the heap grew most in one loop, "all": in all loops, "buffers": bytes of all buffers on the ESP32}."""
+        return json.loads(self._run("heap", tape, self.plain))
+
+    def _play(self, what, tape, firmware, extra):
+        data = self._run(what, tape, firmware, extra)
+        words = np.frombuffer(data, "<i4")
+        size = _KINDS * len(self.blocks) if what == "count" else 0
+        rows = words[: len(words) - size].reshape(-1, 4).copy()
+        counters = words[len(words) - size :].reshape(_KINDS, -1) if size else ()
+        return Log(rows, {KINDS[i]: counters[i] for i in range(1, len(KINDS))} if size else {})
+
+    def _run(self, what, tape, firmware, *extra):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "robot.json").write_text(tape.robot)
+            log = Path(folder) / "log"
+            command = [
+                *image.micropython(), "-X", f"heapsize={HEAP[what]}", str(HERE / "board" / "runner.py"), what, str(tape.path), str(log),
+                str(self.board), str(firmware), str(HERE / "baselines"), *extra,
+            ]
+            try:
+                done = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=LIMIT_S)
+            except subprocess.TimeoutExpired:
+                raise BenchError(f"the firmware was not through with {tape.name} after {LIMIT_S} s") from None
+            if not log.exists():
+                said = (done.stdout + done.stderr).decode(errors="replace")
+                trace = said[said.rfind("Traceback") :].strip() if "Traceback" in said else f"it ended with code {done.returncode}"
+                raise BenchError(f"the firmware did not get through {tape.name}:\n{trace}")
+            return log.read_bytes()

@@ -1,0 +1,101 @@
+"""The lidar bytes that the bench plays: of runs of the twin over the courses, with the firmware's own driving."""
+
+import hashlib
+import json
+import struct
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from host.recording import Inputs, Reader, Stream
+from host.twin import image, load_config, run
+
+from .surprise import with_surprise
+
+CACHE = image.ROOT / "build" / "bench"
+
+_HEADER = struct.Struct("<6q")
+_BATCH = struct.Struct("<qq")
+
+COURSES = (
+    *({"course": "Z", "width": width, "seed": seed} for width, seed in ((620, 1), (550, 3), (500, 4), (450, 2), (430, 5))),
+    {"course": "Z", "width": 580, "seed": 1, "mode": "naws"},
+    *({"course": "U", "width": width, "seed": 1} for width in (600, 480)),
+    {"course": "S", "width": 500, "seed": 2},
+    {"course": "S-sharp", "width": 500, "seed": 1},
+    *({"course": "random", "gap": gap, "seed": seed} for gap, seed in ((400, 1), (340, 3), (300, 4))),
+)
+QUICK = ({"course": "Z", "width": 550, "seed": 1, "limit_s": 6}, {"course": "random", "gap": 400, "seed": 1, "limit_s": 6})
+
+
+@dataclass(frozen=True)
+class Tape:
+    """Lidar bytes as a file for the board, and the robot.json they belong to. name: of the course. surprise: something new was put in."""
+
+    name: str
+    path: Path
+    robot: str
+    surprise: bool = False
+
+
+def tapes(courses=COURSES, firmware=image.FIRMWARE, workers=2, each=None):
+    """Tapes of the courses, recorded now unless that has been done with the same sources. each(): called after each course."""
+    folder = CACHE / ("scans-" + _sources(firmware))
+    folder.mkdir(parents=True, exist_ok=True)
+    out = []
+    with ProcessPoolExecutor(workers) as pool:
+        for made in pool.map(_record, courses, [folder] * len(courses), [firmware] * len(courses)):
+            out.extend(made)
+            if each:
+                each()
+    return out
+
+
+def _record(course, folder, firmware):
+    """The tapes of one course: the run as it was, and with surprises."""
+    name = " ".join(str(value) for value in course.values())
+    target = folder / hashlib.sha256(json.dumps(course, sort_keys=True).encode()).hexdigest()[:12]
+    robot = json.dumps(load_config(mode=course.get("mode")))
+    if not target.with_suffix(".done").exists():
+        with tempfile.TemporaryDirectory() as scratch:
+            run(**course, firmware=firmware, record=Path(scratch) / "run.rec")
+            batches, decisions, inputs = _read(Path(scratch) / "run.rec")
+        wire = json.loads(robot)["lidar"]
+        _write(target.with_suffix(".tape"), inputs, wire, batches)
+        for i, changed in enumerate(with_surprise(batches, decisions)):
+            _write(Path(f"{target}-{i}.surprise"), inputs, wire, changed)
+        target.with_suffix(".done").touch()
+    surprises = sorted(folder.glob(target.name + "-*.surprise"))
+    return [Tape(name, target.with_suffix(".tape"), robot), *(Tape(name, path, robot, True) for path in surprises)]
+
+
+def _read(path):
+    """([(time, bytes)] of the lidar, [(time, AF, AR, V)] decided, Inputs) of a recording."""
+    batches, decisions, inputs = [], [], Inputs(0, 0, ())
+    for time, stream, data in Reader(path):
+        if stream == Stream.LIDAR:
+            batches.append((time, data))
+        elif stream == Stream.DECISION:
+            _, af, ar, v = struct.unpack_from("<IhhB", data)
+            decisions.append((time, af, ar, v))
+        elif stream == Stream.INPUTS:
+            inputs = Inputs.unpack(data)
+    return batches, decisions, inputs
+
+
+def _write(path, inputs, wire, batches):
+    low, high = (sum(1 << address - base for address in inputs.addresses if base <= address < base + 60) for base in (0, 60))
+    with open(path, "wb") as file:
+        file.write(_HEADER.pack(inputs.levels, low, high, inputs.battery, wire["rx"], wire["baud"]))
+        for time, data in batches:
+            file.write(_BATCH.pack(time, len(data)) + data)
+
+
+def _sources(firmware):
+    """Hash of all that makes a recording what it is."""
+    digest = hashlib.sha256()
+    files = [*Path(firmware).rglob("*.py"), *Path(firmware).glob("*.json"), *image.BOARD.parent.rglob("*.py"), *Path(__file__).parent.glob("s*.py")]
+    for path in sorted(files):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:12]

@@ -1,0 +1,109 @@
+"""The bench: counting instructions, cutting sources into blocks, the figures it gives."""
+
+import json
+import textwrap
+
+import numpy as np
+import pytest
+
+from host.bench import blocks, cli, costs, machine_code, scans, stages, surprise
+
+LOOPS = textwrap.dedent('''
+    import micropython
+
+    @micropython.viper
+    def counts_while(n: int, p: ptr16, q: int) -> int:
+        i = 0
+        while i < n:
+            i += 1
+        return i
+
+    @micropython.viper
+    def reads(n: int, p: ptr16, q: int) -> int:
+        s = 0
+        for i in range(n):
+            s += p[i]
+        return s
+''')
+
+
+def body_of(cutter, function):
+    return next(block for block in cutter.blocks if block.function == function and block.loop)
+
+
+def test_viper_loops_cost_what_was_counted_on_the_esp32():
+    """Counted there: 13 instructions for an iteration of while, 26 for one of range with a read of a ptr16."""
+    cutter = blocks.Cutter({"loops": LOOPS})
+    machine_code.charge(cutter)
+    assert abs(body_of(cutter, "counts_while").instructions - 13) <= 1
+    assert abs(body_of(cutter, "reads").instructions - 26) <= 1
+
+
+def test_bytecode_loop_costs_what_was_counted_on_the_esp32():
+    """Counted there: 280 instructions for an empty iteration, 205 more for an addition and a mask."""
+    cutter = blocks.Cutter({"m": "def f(n):\n    x = 0\n    for i in range(n):\n        x = x + 1 & 255\n"})
+    assert body_of(cutter, "f").instructions == pytest.approx(485, rel=0.25)
+
+
+def test_every_way_of_a_condition_is_a_block():
+    cutter = blocks.Cutter({"m": "def f(a):\n    if a:\n        b = 1\n    else:\n        b = 2\n    return b\n"})
+    assert [block.line for block in cutter.blocks] == [2, 3, 5, 5]
+    counters = [0] * 4
+    space = {"_COUNTERS": counters}
+    exec(cutter.counted["m"].replace("from counters import COUNTERS as _COUNTERS", ""), space)
+    assert space["f"](1) == 1 and counters == [1, 1, 0, 1]
+    assert space["f"](0) == 2 and counters == [2, 1, 1, 2]
+
+
+def test_counters_do_not_change_what_a_function_does():
+    """The whole firmware compiles with them, and with the marks, and every mark is found again."""
+    firmware = scans.image.FIRMWARE / "lib"
+    cutter = blocks.Cutter({path.stem: path.read_text() for path in sorted(firmware.glob("*.py"))})
+    machine_code.charge(cutter)
+    viper = [block for block in cutter.blocks if block.viper]
+    assert len(viper) > 100
+    assert sum(block.instructions for block in viper if block.loop) > 1000
+
+
+def test_surprise_is_a_frame_with_a_right_check():
+    body = bytearray((0xAA, 0, 0x7F, 1, 0x61, 0xAD, 0, 0x77, 123, 0, 0, 0, 0)) + bytes((50, 0x20, 0)) * 38
+    frame = bytes(body + sum(body).to_bytes(2, "big"))
+    batches = [(t * 10_000, frame) for t in range(500)]
+    (tape,) = surprise.with_surprise(batches, [(3_500_000, 0, 0, 108)])
+    changed = [data for time, data in tape if data != frame]
+    assert changed and len(changed[0]) == len(frame)
+    assert int.from_bytes(changed[0][-2:], "big") == sum(changed[0][:-2])
+    assert int.from_bytes(changed[0][14:16], "big") == 4 * surprise.DISTANCE_MM
+    assert tape[-1][0] < 4_200_000
+
+
+def test_slices_make_a_decision_and_a_guard_makes_a_reaction():
+    log = type("Log", (), {"rows": np.array([
+        (stages.POLL, 120_000, 500, 0), (stages.PLACE, 60_000, 0, 0), (stages.GUARD, 60_000, 0, 0), (stages.WORK, 240_000, 0, 0),
+        (stages.POLL, 120_000, 500, 10_000), (stages.PLACE, 60_000, 0, 10_000), (stages.GUARD, 60_000, 1, 10_000), (stages.WORK, 120_000, 1, 10_000),
+        (stages.COMMAND, 12_000, 0, 10_000), (stages.UPDATE, 120_000, 3000, 13_000),
+    ])})
+    found = stages.samples(log, modelled=True)
+    assert found.whole == [pytest.approx(costs.us(360_000))]
+    assert found.decision == [pytest.approx(2000), pytest.approx(1000)]
+    assert found.frame == [pytest.approx(2000)]
+    assert found.act == [pytest.approx(1100 + 3000)]
+    assert found.reaction == [pytest.approx(500 + 2000 + 1100)]
+
+
+def test_the_command_line_prints_one_object(monkeypatch, capsys):
+    monkeypatch.setattr(scans, "QUICK", ({"course": "Z", "width": 550, "seed": 1, "limit_s": 4},))
+    monkeypatch.setattr(cli, "DECISIONS_EACH", 1)
+    assert cli.main(["--quick", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert set(found["stages"]) == {"frame", "decision", "act", "reaction"}
+    for name in ("frame", "decision", "act"):
+        assert {"worst_ms_esp32", "median_us_here", "worst_us_here"} <= set(found["stages"][name])
+        assert 0 < found["stages"][name]["worst_ms_esp32"] < 1000
+    assert found["heap_bytes_per_loop"] >= 0 and found["buffers_bytes_esp32"] > 10_000
+    assert found["ratio_to_plain"] > 1
+
+
+def test_a_firmware_that_is_not_there_is_named(capsys, tmp_path):
+    assert cli.main(["--firmware", str(tmp_path)]) == 2
+    assert "main.py" in capsys.readouterr().err
