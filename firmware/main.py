@@ -8,6 +8,18 @@ sys.path.append("/lib")
 import machine
 
 import config as configuration
+
+# In doubt the robot stands still: nothing moves before everything has been built, and the reason goes out on the USB line.
+try:
+    config = configuration.load()
+except (configuration.ConfigError, OSError) as error:
+    print("gapseeker: cannot start:", error)
+    raise
+
+from avoid import Avoid
+
+avoid = Avoid(config)  # its tables are large: they come first, while the heap is still in one piece
+
 from drive import Drive
 from health import Health
 from lidar import Lidar
@@ -18,7 +30,7 @@ from settings import Settings
 from steering import Steering
 
 
-def build(config):
+def build():
     """Hand the buses and pins to the parts. Everything that moves is off until the first decision."""
     pin = machine.Pin
     enable = pin(config.pins_output_enable, pin.OUT, value=1)
@@ -44,13 +56,12 @@ def build(config):
 
         line = machine.UART(config.screen_uart, config.screen_baud, tx=config.screen_tx, rx=config.screen_rx, txbuf=256, timeout=0)
         screen = Screen(line, config.screen_kind, config.screen_baud)
-    return Robot(config, lidar, drive, health, start_link(config, Settings(config, drive), machine), screen)
+    return Robot(config, avoid, lidar, drive, health, start_link(config, Settings(config, drive), machine), screen)
 
 
 try:
-    robot = build(configuration.load())
-except (configuration.ConfigError, OSError) as error:
-    # In doubt the robot stands still: outputs stay disabled, the reason goes out on the USB line.
+    robot = build()
+except OSError as error:
     print("gapseeker: cannot start:", error)
     raise
 

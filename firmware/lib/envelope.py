@@ -60,10 +60,19 @@ SAME_PHASE = ((25, 10), (45, 25), (45, 10), (-10, -25), (-25, -45), (-10, -45))
 STRIPS = (0, 6, 12, 20, 32, 50, 70, 90)
 FRONT_ONLY = (3, 6, 9, 12, 15, 18, 21, 25, 29, 33, 37, 41, 45, 50, 55, 60)
 
+
+def _table(size, of):
+    """array('H') of of(0), of(1), ..., rounded; filled in place, for a list in between would need four times the room."""
+    table = array("H", bytes(2 * size))
+    for i in range(size):
+        table[i] = int(of(i) + 0.5)
+    return table
+
+
 # arc tangent of 0..1 in 1/1024, unit 1/65536 turn
-ATAN = array("H", [int(atan(i / 1024) * 32768 / pi + 0.5) for i in range(1025)])
-# square root of 64..255 scaled 2**4 * 16
-ROOT = array("H", [int(sqrt(i + 0.5) * 256 + 0.5) for i in range(256)])
+ATAN = _table(1025, lambda i: atan(i / 1024) * 32768 / pi)
+# square root of 0..255, * 256: only 64..255 are looked up
+ROOT = _table(256, lambda i: sqrt(i + 0.5) * 256)
 
 
 def hypot(x, y):
@@ -418,7 +427,7 @@ class Envelopes:
         la = self.look_ahead
         self.lengths = array("H", [la // 14, la // 7, la * 2 // 7, la * 4 // 7, la])
         self.consts = array("i", [0] * (self.arcs * _STRIDE))
-        self.table = array("H", bytes(2 * self.arcs * BINS * 4))
+        self.table = bytearray(2 * self.arcs * BINS * 4)  # 16-bit words for the viper functions
         self.strips = array("i", [0] * (8 * len(strips)))
         self.ends = array("H", bytes(2 * self.count * LENGTHS * 2))
         self.turns = array("h", bytes(2 * self.count * LENGTHS))  # change of heading, 0.1 deg
@@ -482,18 +491,19 @@ class Envelopes:
                 low = high
             if not high:
                 high = low
-            t = (k * BINS + j) * 4
+            first = last = 0, 0
             if low:
-                table[t] = low[0]
-                table[t + 1] = high[0]
-                table[t + 2] = low[-1]
-                table[t + 3] = high[-1]
+                first = low[0], high[0]
+                last = low[-1], high[-1]
                 if len(low) != len(high):  # a second arc begins within the bin
                     both = low if len(low) > len(high) else high
-                    table[t] = table[t + 1] = both[0]
-                    table[t + 2] = table[t + 3] = both[-1]
-            else:
-                table[t] = table[t + 1] = table[t + 2] = table[t + 3] = 0
+                    first = both[0], both[0]
+                    last = both[-1], both[-1]
+            t = (k * BINS + j) * 8
+            for value in first + last:
+                table[t] = value & 0xFF
+                table[t + 1] = value >> 8
+                t += 2
 
     def _ring(self, xc, yc, margin):
         """Inner and outer radius of what the outline plus margin sweeps about (xc, yc), xc > 0."""

@@ -454,9 +454,9 @@ class Field:
         self._weight = bytearray(PLACES)
         self._closed = array("i", [0] * (N * TURNS))
         self._tight = array("i", [0] * (N * TURNS))
-        self._seen = array("i", [0] * 270)
-        self._queue = array("H", bytes(2 * QUEUE))
-        self.cost = array("H", bytes(2 * STATES))
+        # 16-bit words, but only the viper functions look inside; array('H') could not be made without a second copy
+        self._queue = bytearray(2 * QUEUE)
+        self.cost = bytearray(2 * STATES)
         self._state = array("i", [0, 0, 0])
         self._tx = array("H", bytes(2 * _TRAIL_POINTS))
         self._ty = array("H", bytes(2 * _TRAIL_POINTS))
@@ -507,7 +507,7 @@ class Field:
             half = self.cell * (N // 2)
             self._next_x = ((odometry.x >> 5) - half) & 0xFFFF
             self._next_y = ((odometry.y >> 5) - half) & 0xFFFF
-            _clear(self.cost, self._closed, self._tight, self._seen, self._weight)
+            _clear(self.cost, self._closed, self._tight, self._queue, self._weight)
             self._mark_trail()
             self._k = 0
             self._stage = 1
@@ -515,7 +515,7 @@ class Field:
             last = self._k + 70
             if last > points.count:
                 last = points.count
-            _close(self._closed, self._tight, self._seen, points._fx, points._fy, self._k, last, self._next_x, self._next_y, self._shape, self.cell)
+            _close(self._closed, self._tight, self._queue, points._fx, points._fy, self._k, last, self._next_x, self._next_y, self._shape, self.cell)
             self._k = last
             if last >= points.count:
                 _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state)

@@ -4,26 +4,25 @@ from time import ticks_diff, ticks_us
 
 import reasons
 import telemetry
-from avoid import Avoid
 from odometry import Odometry
 
 
 class Robot:
     """The parts, joined; buses and pins were handed to them by main.py.
 
-    lidar: Lidar; drive: Drive; health: Health or None; link: Link or None (then it drives on its own); screen: Screen or None.
+    avoid: Avoid; lidar: Lidar; drive: Drive; health: Health or None; link: Link or None (then it drives on its own); screen: Screen or None.
     took_us: computing time of the slices of the latest decision.
     """
 
-    def __init__(self, config, lidar, drive, health=None, link=None, screen=None):
+    def __init__(self, config, avoid, lidar, drive, health=None, link=None, screen=None):
         self.config = config
+        self.avoid = avoid
         self.lidar = lidar
         self.drive = drive
         self.health = health
         self.link = link
         self.screen = screen
         self.odometry = Odometry(config)
-        self.avoid = Avoid(config)
         self.took_us = 0
         self._slices_us = 0
 

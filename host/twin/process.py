@@ -16,7 +16,7 @@ ENGINES = ("micropython", "cpython")
 ADVANCE, READ, FLUSH, RESET = 1, 2, 3, 4
 I2C_WRITE, PIN, PWM_DUTY, PWM_FREQUENCY, UART_OUTPUT = 1, 2, 3, 4, 5
 REPLY, PAYLOAD, CHUNKS = 1024, 176, 4
-HEAP = "400k"  # far more than the board has: pointers are twice as long here, and the images of the modules lie in it
+HEAP = "288k"  # far more than the board has: pointers are twice as long here, and the emulated chips live in it as well
 SILENCE_S = 20.0
 
 _REQUEST = struct.Struct("<IBBHqq11iI")
