@@ -99,3 +99,17 @@ def _sources(firmware):
     for path in sorted(files):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:12]
+
+
+def returns(tape):
+    """Points with a return in each whole revolution of a tape (Delta family, 16 frames a revolution): the median, int."""
+    data = tape.path.read_bytes()
+    at, frames = _HEADER.size, []
+    while at + _BATCH.size <= len(data):
+        _, size = _BATCH.unpack_from(data, at)
+        frame = data[at + _BATCH.size : at + _BATCH.size + size]
+        at += _BATCH.size + size
+        if size > 15 and frame[5] == 0xAD:
+            frames.append(sum(1 for place in range(14, size - 2, 3) if frame[place] or frame[place + 1]))
+    turns = [sum(frames[i : i + 16]) for i in range(0, len(frames) - 15, 16)]
+    return sorted(turns)[len(turns) // 2] if turns else 0

@@ -1,0 +1,53 @@
+"""Runs what is missing, on all cores or on a cluster."""
+
+import os
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+
+from tqdm import tqdm
+
+from .execute import execute
+
+PATIENCE_S = 10  # for the scheduler's answer
+
+
+class ClusterMissing(Exception):
+    """No cluster can be had; the message says what to do."""
+
+
+def complete(runs, sources, store, executor, quiet=False):
+    """Execute the runs that are not in the store; returns {run: entry} of all. Those whose worker failed raise, after the rest is stored."""
+    waiting = {}
+    for run in runs:
+        if run.key(sources) not in store.done:
+            waiting[executor.submit(execute, run, sources)] = run
+    failed = None
+    with tqdm(total=len(runs), initial=len(runs) - len(waiting), desc="runs", unit="run", disable=quiet or None) as bar:
+        for future in as_completed(waiting):
+            try:
+                store.add(future.result())
+            except Exception as error:  # the rest of the campaign is not to be lost
+                failed = failed or error
+            bar.update()
+    if failed:
+        raise failed
+    return {run: store.done[run.key(sources)] for run in runs}
+
+
+@contextmanager
+def executor(cluster=None, workers=None):
+    """An executor of concurrent.futures: processes of this machine, or with the address of its scheduler a Dask cluster."""
+    if cluster is None:
+        with ProcessPoolExecutor(workers or os.cpu_count()) as pool:
+            yield pool
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise ClusterMissing("--cluster needs dask.distributed, which is not installed: pip install -e '.[cluster]'") from None
+    try:
+        client = Client(cluster, timeout=PATIENCE_S)
+    except (OSError, ValueError) as error:
+        raise ClusterMissing(f"no Dask scheduler answers at {cluster} ({type(error).__name__}): start one with `dask scheduler`, workers with `dask worker {cluster}`") from None
+    with client, client.get_executor(pure=False) as pool:
+        yield pool

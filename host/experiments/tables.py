@@ -1,0 +1,108 @@
+"""From finished runs to the tables of docs/results.md."""
+
+import numpy as np
+
+from . import plan
+
+PAPER_TABLE_3 = {
+    plan.AWS: {620: "pass", 600: "pass", 580: "pass", 550: "pass", 500: "local collision"},
+    plan.NAWS: {620: "pass", 600: "pass", 580: "local collision", 550: "local collision", 500: "no pass"},
+}
+PAPER_UP_TO_20_MS = 96.0  # %, figure 23 of paper A
+PAPER_POINTS = 608, 74  # figure 11
+_GRADES = ("pass", "local collision", "no pass")
+
+
+def markdown(head, rows):
+    """A table in Markdown; head and rows are lists of strings."""
+    return "\n".join("| " + " | ".join(row) + " |" for row in [head, ["---"] * len(head), *rows])
+
+
+def grade(entry):
+    """The paper's words for how a run ended."""
+    return {"pass": "pass", "local_collision": "local collision"}.get(entry["result"], "no pass")
+
+
+def counts(entries):
+    """"7 pass, 1 local collision" of several runs."""
+    grades = [grade(entry) for entry in entries]
+    return ", ".join(f"{grades.count(word)} {word}" for word in _GRADES if word in grades)
+
+
+def rates(done):
+    """{planner: {width: (passed without touching, runs)}} of the runs of the Z course."""
+    out = {}
+    for run, entry in done.items():
+        if run.course == "Z" and not run.timed:
+            passed, runs = out.setdefault(run.planner, {}).get(run.width, (0, 0))
+            out[run.planner][run.width] = passed + (entry["result"] == "pass"), runs + 1
+    return out
+
+
+def table_3(done):
+    """Table 3 of paper A, ours beside it: all runs of the five widths."""
+    head = ["passage width, mm", *(str(width) for width in plan.PAPER_WIDTHS)]
+    rows = []
+    for planner in (plan.AWS, plan.NAWS):
+        rows.append([f"paper, {planner.upper()}", *(PAPER_TABLE_3[planner][width] for width in plan.PAPER_WIDTHS)])
+        ours = []
+        for width in plan.PAPER_WIDTHS:
+            runs = [entry for run, entry in done.items() if run.planner == planner and run.course == "Z" and run.width == width and not run.timed]
+            ours.append(counts(runs) or "-")
+        rows.append([f"here, {planner.upper()}", *ours])
+    return markdown(head, rows)
+
+
+def rate_table(found):
+    """Pass rates as numbers. found: of `rates`."""
+    widths = sorted({width for planner in found.values() for width in planner}, reverse=True)
+    rows = [[planner, *("{}/{}".format(*found[planner][width]) if width in found[planner] else "" for width in widths)] for planner in found]
+    return markdown(["planner", *(f"{width:g}" for width in widths)], rows)
+
+
+def run_table(done, course):
+    """What became of the shown runs of a course: a row each."""
+    rows = []
+    for run, entry in done.items():
+        if run.shown and run.planner == plan.AWS and run.course in course:
+            size = f"gaps of {run.gap:g}" if run.course == "random" else f"{run.width:g}"
+            rows.append([
+                f"{run.course}{', from the other end' if run.reverse else ''}", size, str(run.seed), grade(entry), f"{entry['time_s']:.1f}", str(entry["contacts"]),
+                f"{entry['clearance_mm']:.0f}",
+            ])
+    return markdown(["course", "width, mm", "seed", "result", "time, s", "contacts", "least clearance, mm"], rows)
+
+
+def classes(times):
+    """Share in % of decision times, ms: at most 10, 10 to 20, above 20."""
+    times = np.asarray(times)
+    return tuple(100 * float(share) for share in ((times <= 10).mean(), ((times > 10) & (times <= 20)).mean(), (times > 20).mean()))
+
+
+def time_rows(done):
+    """[(run, milliseconds of each decision on the ESP32, here, longest slice)] of the timed runs."""
+    return [(run, entry["chip_ms"], entry["here_ms"], entry["slice_ms"]) for run, entry in done.items() if run.timed and entry["chip_ms"]]
+
+
+def time_table(done):
+    """Figure 23 as numbers."""
+    rows = []
+    for run, chip, here, longest in time_rows(done):
+        rows.append([
+            f"{run.planner.upper()} {run.width:g}", str(len(chip)), *(f"{share:.1f}" for share in classes(here)), *(f"{share:.1f}" for share in classes(chip)),
+            f"{np.median(chip):.1f}", f"{max(chip):.1f}", f"{longest:.1f}",
+        ])
+    return markdown(
+        ["run", "decisions", "here: up to 10 ms, %", "10-20, %", "above 20, %", "ESP32: up to 10 ms, %", "10-20, %", "above 20, %", "ESP32 median, ms", "longest, ms", "longest slice, ms"],
+        rows,
+    )
+
+
+def point_table(done):
+    """Points before and after windowing."""
+    rows = [["paper", str(PAPER_POINTS[0]), "", str(PAPER_POINTS[1])]]
+    for run, entry in done.items():
+        if run.timed and entry["points"]:
+            seen, inside = np.median(np.array(entry["points"]), axis=0)
+            rows.append([f"here, {run.planner.upper()} Z {run.width:g}", str(entry["measured"]), f"{seen:.0f}", f"{inside:.0f}"])
+    return markdown(["", "measured in a revolution", "remembered, thinned, within reach", "in the windows"], rows)

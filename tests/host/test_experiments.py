@@ -1,0 +1,129 @@
+"""The experiments: what is run, what is kept, what is written, and that a cluster gives the same as this machine."""
+
+import json
+from concurrent.futures import Future
+
+import pytest
+
+from host.experiments import campaign, cli, execute, plan, planners, report, store, tables
+
+
+def entry(run, result="pass", **more):
+    """What `execute` would give."""
+    out = {"key": run.key("abc"), "sources": "abc", "result": result, "reason": "", "time_s": 12.5, "contacts": 0, "clearance_mm": 20.0}
+    track = [[i / 10, 300.0, -50.0 + 20 * i, 0.0] for i in range(100)]
+    if run.shown:
+        out |= {"track": track, "log": [[0.5, 0, 0, 108, 4, 1], [3.0, 20, -30, 104, 4, 2]], "touches": []}
+    if run.timed:
+        out |= {"chip_ms": [4.0, 12.0, 30.0, 5.0], "here_ms": [0.2] * 4, "slice_ms": 6.0, "measured": 604, "points": [[90, 80], [100, 82]]}
+    from dataclasses import asdict
+
+    return json.loads(json.dumps(out | {"run": asdict(run)} | more))
+
+
+class Instantly:
+    """An executor that needs no time."""
+
+    def __init__(self, give):
+        self.give = give
+        self.runs = []
+
+    def submit(self, function, run, sources):
+        self.runs.append(run)
+        future = Future()
+        try:
+            future.set_result(self.give(run))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+def test_the_plan_has_every_section_once():
+    runs = plan.plan()
+    assert len(runs) == len(set(runs))
+    for planner, widths in plan.RATE_WIDTHS.items():
+        for width in widths:
+            seeds = [run.seed for run in runs if (run.planner, run.course, run.width, run.timed) == (planner, "Z", width, False)]
+            assert sorted(seeds) == list(range(1, cli.SEEDS + 1)), (planner, width)
+    assert [sum(run.shown and run.course in names for run in runs) for names in (("S", "S-sharp"), ("U",), ("random",))] == [3, 5, 6]
+    assert sum(run.timed for run in runs) == 8
+    assert {run.planner for run in plan.plan(quick=True)} == set(plan.RATE_WIDTHS)
+
+
+def test_a_broken_off_campaign_goes_on(tmp_path):
+    runs = plan.plan(quick=True)
+    path = tmp_path / "runs.jsonl"
+
+    def first(run):
+        if run == runs[3]:
+            raise OSError("the power went")
+        return entry(run)
+
+    with pytest.raises(OSError):
+        campaign.complete(runs, "abc", store.Store(path), Instantly(first), quiet=True)
+    with open(path, "a") as file:
+        file.write('{"key": "cut sh')
+    again = Instantly(entry)
+    done = campaign.complete(runs, "abc", store.Store(path), again, quiet=True)
+    assert again.runs == [runs[3]] and len(done) == len(runs)
+    assert len(store.Store(path).done) == len(runs)
+
+
+def test_other_sources_are_run_anew():
+    run = plan.Run(plan.AWS, "Z", 500)
+    assert run.key("abc") != run.key("abd")
+
+
+def test_table_3_counts_what_became_of_the_runs():
+    runs = [plan.Run(plan.AWS, "Z", 500, seed=seed) for seed in (1, 2, 3)]
+    done = {run: entry(run, result) for run, result in zip(runs, ("pass", "local_collision", "timeout"))}
+    assert "1 pass, 1 local collision, 1 no pass" in tables.table_3(done)
+    assert tables.rates(done) == {plan.AWS: {500: (1, 3)}}
+
+
+def test_decision_times_fall_into_the_papers_classes():
+    assert tables.classes([1, 10, 10.1, 20, 20.1]) == pytest.approx((40, 40, 20))
+
+
+def test_the_report_is_written_with_all_its_pictures(tmp_path):
+    done = {run: entry(run) for run in plan.plan(quick=True)}
+    report.write(done, "abc", " --quick", tmp_path)
+    text = (tmp_path / "results.md").read_text()
+    for name in ("pass-rate", "side-by-side", "z", "decision-times", "s", "u", "random"):
+        assert f"results/{name}.png" in text
+        assert (tmp_path / "results" / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+    assert "sources abc" in text and "nan" not in text
+
+
+@pytest.mark.parametrize("planner", [plan.RULE24, plan.DISC_ROUND, plan.DISC_NARROW])
+def test_another_planner_drives_the_same_firmware(planner):
+    """In a passage wide enough for all of them."""
+    _, sources = planners.snapshot()
+    found = execute.execute(plan.Run(planner, "Z", 900, seed=2), sources)
+    assert found["decisions"] > 20 and "crashed" not in found["reason"]
+    assert found["result"] in ("pass", "local_collision")
+
+
+def test_a_worker_with_other_sources_says_so():
+    with pytest.raises(ValueError, match="same version on every worker"):
+        planners.snapshot("000000000000")
+
+
+def test_a_cluster_gives_the_same_as_this_machine(tmp_path):
+    """Two workers of Dask, through the executor that the campaign uses."""
+    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed: pip install -e '.[cluster]'")
+    _, sources = planners.snapshot()
+    runs = [plan.Run(plan.DISC_NARROW, "Z", 450, seed=seed) for seed in (1, 2)]
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=str(tmp_path)) as cluster:
+        with campaign.executor(cluster.scheduler_address) as pool:
+            there = campaign.complete(runs, sources, store.Store(tmp_path / "there.jsonl"), pool, quiet=True)
+    for run, found in there.items():
+        here = execute.execute(run, sources)
+        assert {**found, "wall_s": 0} == {**here, "wall_s": 0}
+
+
+def test_no_cluster_is_said_in_words(monkeypatch, capsys, tmp_path):
+    pytest.importorskip("distributed", reason="dask.distributed is not installed: pip install -e '.[cluster]'")
+    monkeypatch.setattr(campaign, "PATIENCE_S", 1)
+    assert cli.main(["--quick", "--cluster", "tcp://127.0.0.1:9", "--store", str(tmp_path / "s.jsonl"), "--out", str(tmp_path)]) == 2
+    assert "dask scheduler" in capsys.readouterr().err
