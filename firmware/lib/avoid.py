@@ -17,7 +17,7 @@ from micropython import const
 import reasons
 from envelope import (
     BAND, CAP, COUNT, FIRST, FIRST_STRIP, FLOOR, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, LENGTHS, MARGIN, NEAR, SOFT, STRIDE,
-    Envelopes, mirror, move, sort_near, sweep_arcs, sweep_strips,
+    Envelopes, drop_behind, mirror, move, sort_near, sweep_arcs, sweep_strips,
 )
 from field import Field, score_ends
 from surroundings import Surroundings
@@ -191,6 +191,8 @@ class Avoid:
         self._field_y = 0
         self._field_heading = 0
         self._field_frame = 0
+        self._decided_travel = 0
+        self._decided_frame = 0
         # The steering being driven: candidate and how it is mirrored (bit 0 left, bit 1 backward).
         self._k = 0
         self._variant = 0
@@ -291,7 +293,9 @@ class Avoid:
             mirror(self._x, n)
         if variant & 2:
             mirror(self._y, n)
-        self._sweep_on(self._x, self._y, n, self._near, first, last, stride, floor, self.free_of[variant],
+        env = self.envelopes
+        left = drop_behind(self._x, self._y, self._near, n, env.half_length + env.soft)
+        self._sweep_on(self._x, self._y, left, self._near, first, last, stride, floor, self.free_of[variant],
                        self.soft_of[variant], self.block_of[variant])
         if variant & 1:
             mirror(self._x, n)
@@ -383,6 +387,8 @@ class Avoid:
                 self._field_frame = self._ready
             return False
         if stage == _IDLE:
+            if self._resting(odometry):
+                return False
             if self._ready < 20 or not self._worth_waiting(odometry):
                 self._stage = _FIELD
                 return False
@@ -402,6 +408,8 @@ class Avoid:
                 self._worth(v, self.free_of[v], self.soft_of[v], self._score[v], 0, env.count, 1, self.af, self.ar, 0)
             if self._choose_one(odometry):
                 self._stage = _IDLE
+                self._decided_travel = odometry.travel256
+                self._decided_frame = self._ready
                 return self._publish()
             self._stage = _BACK_RIGHT
             return False
@@ -425,6 +433,13 @@ class Avoid:
         self._stage = _IDLE
         self._settle(odometry)
         return self._publish()
+
+    def _resting(self, odometry):
+        """Whether the last single move is still fresh: the guard watches it, and a few millimetres on nothing has changed."""
+        if self._plan or self.v == 90:
+            return False
+        rolled = (odometry.travel256 - self._decided_travel) & 0x3FFFFFF
+        return rolled < self.look_ahead * 5 and self._ready - self._decided_frame < 8
 
     def _worth_waiting(self, odometry):
         """Whether the field in use still fits: the robot has hardly moved since and it is not old."""
@@ -549,6 +564,8 @@ class Avoid:
         for second in (0, 1):
             if second:
                 mirror(self._nx, n)
+            else:
+                n = drop_behind(self._nx, self._ny, near, n, env.half_length + env.soft)
             self._sweep_on(self._nx, self._ny, n, near, 0, env.count, 2, env.lengths[1], self._free2, self._soft2, self._block2)
             self._worth(second, self._free2, self._soft2, self._score2, 0, env.arcs, 2, a, r, 60)
             self._worth(second, self._free2, self._soft2, self._score2, env.arcs, env.count, 1, a, r, 60)
@@ -639,7 +656,10 @@ class Avoid:
         env = self.envelopes
         v = self._variant
         k = self._k
-        room = self.free
+        # Anew for this one: sorting for other candidates has moved the points about.
+        room = self._current_free()
+        if self._limit > 0:
+            self.free = room
         if self._limit < room:
             room = self._limit
         cruise = self.cruise - 90

@@ -104,6 +104,28 @@ def sort_near(px: ptr16, py: ptr16, n: int, half_width: int, half_length: int, b
 
 
 @micropython.viper
+def drop_behind(px: ptr16, py: ptr16, near: int, n: int, limit: int) -> int:
+    """Bring the points more than limit mm behind the centre to the end; returns how many are left before them.
+
+    On a forward candidate every part of the body moves forward, so nothing behind its rear can be met.
+    """
+    low = 8192 - limit
+    i = near
+    while i < n:
+        y = py[i]
+        if y < low:
+            n -= 1
+            py[i] = py[n]
+            py[n] = y
+            x = px[i]
+            px[i] = px[n]
+            px[n] = x
+        else:
+            i += 1
+    return n
+
+
+@micropython.viper
 def mirror(p: ptr16, n: int):
     """Change the sign of biased coordinates, in place."""
     i = 0
