@@ -1,7 +1,6 @@
 """The parameters of the robot while it runs. What robot.json may say is checked by config_checks.py, at the start only."""
 
 import json
-from array import array
 
 from once import forget
 
@@ -38,7 +37,7 @@ class Config:
     array('h') in the order axle 1 left, axle 1 right, ...; everything the loop reads is an int.
 
     axles       number of axles
-    live        (key, low, high, unit) of each parameter that may change while the robot runs, in the order of schema.LIVE
+    live        (attribute, low, high, unit) of each parameter that may change while the robot runs, in the order of schema.LIVE
     changes     counter of such changes, for those who keep something computed from a parameter
     """
 
@@ -71,17 +70,16 @@ class Config:
         if index < 0:
             raise ConfigError("%s cannot change while the robot runs: edit robot.json and restart" % key)
         if not self.tune(index, number(key, value, *self.live[index][1:], 1, False)):
-            pairs = ["%s <= %s" % (key_of(one), key_of(other)) for one, other in _ORDER if self._names[index] in (one, other)]
+            pairs = ["%s <= %s" % (key_of(one), key_of(other)) for one, other in _ORDER if self.live[index][0] in (one, other)]
             refuse(key, value, "%s must hold" % " and ".join(pairs))
 
     def tune(self, index, value):
         """As set(), by the number of the row in `live`: True if the int `value` was taken. Allocates nothing."""
         if not 0 <= index < len(self.live):
             return False
-        key, low, high, _ = self.live[index]
+        name, low, high, _ = self.live[index]
         if not low <= value <= high:
             return False
-        name = self._names[index]
         before = getattr(self, name)
         setattr(self, name, value)
         if self.disorder():
@@ -99,7 +97,7 @@ class Config:
 
     def _index(self, key):
         for index, row in enumerate(self.live):
-            if row[0] == key:
+            if key_of(row[0]) == key:
                 return index
         return -1
 

@@ -28,15 +28,24 @@ def fill(config, values):
         setattr(config, attribute(key) + _scale(row)[1], value)
         if key == "axles.spacings":
             config.axles = len(value) + 1
-    config.live = tuple([(row[0], row[3], row[4], row[5]) for row in schema.LIVE])
-    for key, kind, default, low, high, unit, meaning in schema.LIVE:
+    live = []
+    for key, _, default, low, high, unit, _ in schema.LIVE:
         setattr(config, attribute(key), number(key, given.pop(key, default), low, high, unit, 1, False))
+        live.append((_shared(config, attribute(key)), low, high, unit))
+    config.live = tuple(live)
     for key in given:
         _unknown(key, given[key], schema.BOOT + schema.LIVE)
     _check_body(config)
     _check_chips(config)
     _check_pins(config)
     _check_order(config)
+
+
+def _shared(config, name):
+    """The very text under which the attribute is kept: an equal one would take room beside it for good."""
+    for one in config.__dict__:
+        if one == name:
+            return one
 
 
 def _scale(row):
@@ -179,15 +188,15 @@ def _spacings(row, value, most):
 
 def _address(row, value):
     key, _, _, low, high, _, _ = row
-    number = value
+    address = value
     if type(value) is str:
         try:
-            number = int(value, 0)
+            address = int(value, 0)
         except ValueError:
-            number = None
-    if type(number) is not int or not low <= number <= high or number == 0x70:
+            address = None
+    if type(address) is not int or not low <= address <= high or address == 0x70:
         refuse(key, value, "an address 0x%02x .. 0x%02x but not 0x70 is needed" % (low, high))
-    return number
+    return address
 
 
 def _distinct(key, channels, width):

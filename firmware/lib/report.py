@@ -4,6 +4,7 @@ import json
 import struct
 
 import telemetry
+from config import key_of
 from telemetry import HEADER, TIME_MASK, copy
 
 _DECISION_SIZE = struct.calcsize(telemetry.DECISION_FORMAT)
@@ -120,16 +121,14 @@ class Report:
         """PARAMETER for row `number` of config.live, or for a servo's trim behind these. Allocates."""
         live = len(config.live)
         if number < live:
-            key, _, default, low, high, unit, meaning = config.live[number]
-            value = config.get(key)
+            name, low, high, _ = config.live[number]
+            key = key_of(name)
+            value = getattr(config, name)
         else:
             wheel = number - live
-            key, default, low, high, unit = "servos.trims.%d" % wheel, 0, -20, 20, "deg"
-            meaning = "trim of axle %d %s" % (wheel // 2 + 1, ("left", "right")[wheel % 2])
+            key, low, high = "servos.trims.%d" % wheel, -20, 20
             value = config.servos_trims[wheel] / 10
-        row = {"key": key, "value": value, "default": default, "low": low, "high": high, "unit": unit, "meaning": meaning}
-        row["number"] = number
-        row["of"] = parameters(config)
+        row = {"key": key, "value": value, "low": low, "high": high, "number": number, "of": parameters(config)}
         return self._text(telemetry.PARAMETER, 0, json.dumps(row).encode())
 
     def _text(self, kind, before, text):

@@ -28,7 +28,7 @@ Robot to laptop
     06 HEALTH      uptime ms u32, heap free u32 (bytes), worst loop us u32, battery mV u16 (0 unknown), lidar speed u8 (0.05 r/s), flags u8 (bit 0
                    lidar trusted, 1 chips answer, 2 radio on), fault u8, lidar frames u32, check errors u32, speed faults u32, frames of
                    telemetry dropped u32, commands refused u32
-    07 PARAMETER   JSON: key, value, default, low, high, unit, meaning, number (0 ..), of (how many there are)
+    07 PARAMETER   JSON: key, value, low, high, number (0 ..), of (how many there are); what it means is in schema.py
     08 LOG         level u8 (0 information, 1 warning, 2 error), UTF-8 text
     09 POSE        time u32, x i32, y i32 (1/256 mm since boot), heading u32 (0.001 deg)
     0A CANDIDATES  time u32, variant u8, chosen u8 (255 none), count u8, then count AF i16, count AR i16, count free lengths u16. AF and AR are those

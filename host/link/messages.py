@@ -32,11 +32,13 @@ from host import compat
 
 compat.install()
 
+import schema  # noqa: E402
 import telemetry  # noqa: E402
 
 STATES = ("stopped", "auto", "manual")
 STATUSES = ("ok", "refused")
 FULL_V256 = 90 * 256
+_KNOWN = {key: {"default": default, "unit": unit, "meaning": meaning} for key, _, default, _, _, unit, meaning in schema.LIVE}
 
 
 def decode(kind: int, payload: bytes, full_speed: float = 1280.0) -> dict | None:
@@ -134,6 +136,18 @@ def _candidates(payload):
     return {"type": "candidates", "time": time / 1e6, "side": ("right", "left")[variant & 1], "backward": bool(variant & 2), "list": rows}
 
 
+def _parameter(payload):
+    """The robot tells the value; default, unit and meaning are the same here as there, and it has no room for them."""
+    told = json.loads(payload)
+    key = told["key"]
+    if key.startswith("servos.trims."):
+        wheel = int(key.rpartition(".")[2])
+        known = {"default": 0, "unit": "deg", "meaning": f"trim of axle {wheel // 2 + 1} {('left', 'right')[wheel % 2]}"}
+    else:
+        known = _KNOWN.get(key, {"default": told["value"], "unit": "", "meaning": key})
+    return {"type": "parameter", **known, **told}
+
+
 def _reply(payload):
     counter, kind, status = struct.unpack_from(telemetry.REPLY_FORMAT, payload)
     text = payload[struct.calcsize(telemetry.REPLY_FORMAT) :].decode(errors="replace")
@@ -146,7 +160,7 @@ _DECODERS = {
     telemetry.POINTS: _points,
     telemetry.SCAN: _scan,
     telemetry.HEALTH: _health,
-    telemetry.PARAMETER: lambda payload: {"type": "parameter", **json.loads(payload)},
+    telemetry.PARAMETER: _parameter,
     telemetry.LOG: lambda payload: {"type": "log", "level": payload[0], "text": payload[1:].decode(errors="replace")},
     telemetry.POSE: _pose,
     telemetry.CANDIDATES: _candidates,

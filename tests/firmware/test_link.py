@@ -18,7 +18,9 @@ class Config:
     lidar_frames = 16
     axles = 1
     servos_trims = array("h", [0, -15])
-    live = (("avoid.margin", "int", 15, 0, 100, "mm", "clearance kept to every point"), ("b", "int", 1, 0, 2, "", "another"))
+    live = (("avoid_margin", 0, 100, "mm"), ("b", 0, 2, ""))
+    avoid_margin = 15
+    b = 1
 
     def get(self, key):
         return 15
