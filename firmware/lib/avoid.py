@@ -15,14 +15,15 @@ import micropython
 from micropython import const
 
 import reasons
-from envelope import (
-    BAND, CAP, COUNT, FIRST, FIRST_STRIP, FLOOR, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, LENGTHS, MARGIN, NEAR, SOFT, STRIDE,
-    Envelopes, drop_behind, mirror, move, sort_near, sweep_arcs, sweep_strips,
-)
+from envelope import LENGTHS, Envelopes
 from field import Field, score_ends
 from surroundings import Surroundings
+from sweep import (
+    BAND, CAP, COUNT, FIRST, FIRST_STRIP, FLOOR, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, MARGIN, NEAR, SOFT, STRIDE, mirror, move,
+    sort_near, sweep_arcs, sweep_strips,
+)
 from trig import cos14, sin14
-from windows import GREEN, NO_ZONE, Windows
+from windows import NO_ZONE, RED, Windows
 
 _POINTS = const(384)
 _NODES = const(10)
@@ -320,7 +321,7 @@ class Avoid:
         if first < arcs:
             job[FIRST] = first
             job[LAST] = last if last < arcs else arcs
-            sweep_arcs(px, py, job, env.consts, env.table, free, soft, block)
+            sweep_arcs(px, py, job, env.consts, env.table, env.seconds, free, soft, block)
         if last > arcs:
             job[FIRST] = first if first > arcs else arcs
             job[LAST] = last
@@ -663,12 +664,14 @@ class Avoid:
         if self._limit < room:
             room = self._limit
         cruise = self.cruise - 90
-        # Stop within the free way: speed (mm/s) at most 60 + 2.2 * room.
-        speed = (60 + room * 22 // 10) * 90 // self.full_speed
+        # Stop within the free way: it takes about speed / 10 mm.
+        speed = (60 + room * 3) * 90 // self.full_speed
         if speed > cruise:
             speed = cruise
-        if self.soft_of[v][k] < env.lengths[1] and speed > cruise * 2 // 3:
-            speed = cruise * 2 // 3
+        if self.soft_of[v][k] < env.lengths[1] and speed > cruise * 4 // 5:
+            speed = cruise * 4 // 5
+        if 0 < self._urgent <= RED and speed > cruise // 2:
+            speed = cruise // 2
         if speed < 4:
             speed = 4
         if self._limit <= 0 or room <= 0:
