@@ -19,8 +19,8 @@ from envelope import LENGTHS, Envelopes
 from field import Field, score_ends
 from surroundings import Surroundings
 from sweep import (
-    BAND, CAP, COUNT, FIRST, FIRST_STRIP, FLOOR, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, MARGIN, NEAR, SOFT, STRIDE, mirror, move,
-    sort_near, sweep_arcs, sweep_strips,
+    BAND, CAP, COUNT, FIRST, FIRST_STRIP, FLOOR, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, MARGIN, NEAR, SOFT, STRIDE, drop_behind, mirror,
+    move, sort_near, sweep_arcs, sweep_strips,
 )
 from trig import cos14, sin14
 from windows import NO_ZONE, RED, Windows

@@ -4,9 +4,10 @@ from array import array
 from math import cos, sin
 
 from config import Config
-from envelope import (
-    BAND, BIAS, CAP, COUNT, FIRST, FIRST_STRIP, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, MARGIN, NEAR, SOFT, STRIDE,
-    Envelopes, sort_near, sweep_arcs, sweep_strips,
+from envelope import BIAS, Envelopes
+from envelope_tables import end
+from sweep import (
+    BAND, CAP, COUNT, FIRST, FIRST_STRIP, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, MARGIN, NEAR, SOFT, STRIDE, sort_near, sweep_arcs, sweep_strips,
 )
 
 _config = Config()
@@ -40,7 +41,7 @@ def _sweep(points, env=_env):
     job[BAND] = 12
     job[FIRST_STRIP] = env.arcs
     job[LAST] = env.arcs
-    sweep_arcs(px, py, job, env.consts, env.table, free, soft, block)
+    sweep_arcs(px, py, job, env.consts, env.table, env.seconds, free, soft, block)
     job[FIRST] = env.arcs
     job[LAST] = env.count
     sweep_strips(px, py, job, env.strips, free, soft, block)
@@ -53,7 +54,7 @@ def _stepped(env, k, point, margin, step=2.0):
     hl = env.half_length + margin
     length = 0.0
     while length < env.look_ahead:
-        x, y, turn = env.end(k, length)
+        x, y, turn = end(env, k, length)
         dx = point[0] - x
         dy = point[1] - y
         u = dx * cos(turn) - dy * sin(turn)
