@@ -47,7 +47,7 @@ def measure(courses=scans.COURSES, firmware=image.FIRMWARE, quiet=True):
         counted = bench.count(tape)
         decisions = len(stages.samples(counted, True).whole)
         every = 0 if tape.surprise else max(decisions // DECISIONS_EACH, 1)
-        return tape, counted, bench.time(tape, every), None if tape.surprise else bench.heap(tape)
+        return tape, counted, bench.time(tape, every, 1 if tape.surprise else 2), None if tape.surprise else bench.heap(tape)
 
     with ThreadPoolExecutor(WORKERS) as pool, tqdm(total=len(tapes), desc="playing them back", disable=quiet or None) as bar:
         for tape, counted, timed, grown in pool.map(play, tapes):

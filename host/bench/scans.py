@@ -18,6 +18,7 @@ CACHE = image.ROOT / "build" / "bench"
 _HEADER = struct.Struct("<6q")
 _BATCH = struct.Struct("<qq")
 
+LIMIT_S = 30  # of a run: what comes after is more of the same
 COURSES = (
     *({"course": "Z", "width": width, "seed": seed} for width, seed in ((620, 1), (550, 3), (500, 4), (450, 2), (430, 5))),
     {"course": "Z", "width": 580, "seed": 1, "mode": "naws"},
@@ -59,7 +60,7 @@ def _record(course, folder, firmware):
     robot = json.dumps(load_config(mode=course.get("mode")))
     if not target.with_suffix(".done").exists():
         with tempfile.TemporaryDirectory() as scratch:
-            run(**course, firmware=firmware, record=Path(scratch) / "run.rec")
+            run(**{"limit_s": LIMIT_S, **course}, firmware=firmware, record=Path(scratch) / "run.rec")
             batches, decisions, inputs = _read(Path(scratch) / "run.rec")
         wire = json.loads(robot)["lidar"]
         _write(target.with_suffix(".tape"), inputs, wire, batches)

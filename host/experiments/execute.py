@@ -12,7 +12,7 @@ from . import plan, planners
 TRACK_S = 0.05  # no more poses than one in this time are kept
 
 
-STANDS_S = 10.0
+STANDS_S = 12.0  # longer than a wall holds the body before the twin calls it blocked
 
 
 class _Patience(Watch):

@@ -18,8 +18,8 @@ from host.twin.picture import BODY, BOX, FLOOR, OUTSIDE, TOUCHED, WALL, outline,
 from . import plan
 
 LINES = {
-    plan.AWS: ("#d1495b", "all-wheel steering"),
-    plan.NAWS: ("#1f6f8b", "last axle straight"),
+    plan.AWS: ("#d1495b", "this robot, all wheels steered"),
+    plan.NAWS: ("#1f6f8b", "this robot, last axle straight"),
     plan.RULE24: ("#7a6c9c", "papers' rule (24) as written"),
     plan.DISC_NARROW: ("#e09f3e", "follow the gap, disc as wide as the body"),
     plan.DISC_ROUND: ("#6b705c", "follow the gap, disc round the body"),
@@ -53,7 +53,8 @@ def tracks_and_curves(rows, path):
 
     rows: [(title, [entry of a shown run])]; the first run's curves are drawn, the tracks of all.
     """
-    figure, grid = pyplot.subplots(len(rows), 2, figsize=(11, 3.3 * len(rows)), layout="constrained", width_ratios=(1, 1.25), squeeze=False)
+    tall = any(entries[0]["run"]["course"] in ("Z", "U") for _, entries in rows)
+    figure, grid = pyplot.subplots(len(rows), 2, figsize=(11, (3.3 if tall else 2.3) * len(rows) + 0.3), layout="constrained", width_ratios=(1, 1.25), squeeze=False)
     for (title, entries), (left, right) in zip(rows, grid):
         _course(left, entries)
         left.set_title(f"{title}: {verdict(entries[0])}", fontsize=9, loc="left")
@@ -95,9 +96,9 @@ def decision_times(rows, path):
 
 def verdict(entry):
     """How a run ended, in words."""
-    words = {"pass": "through without touching", "local_collision": "through, but touched", "blocked": "blocked", "timeout": "not through in 60 s"}
+    words = {"pass": "through without touching", "local_collision": "through, but touched", "blocked": "stopped by a wall", "timeout": "not through in 60 s"}
     if "stood still" in entry["reason"]:
-        return "stood still, no gap found"
+        return "stopped by a wall" if entry["contacts"] else "stands: finds no gap"
     return f"{words[entry['result']]}, {entry['time_s']:.1f} s"
 
 
@@ -139,9 +140,10 @@ def _extent(layout, track):
     """Corners of what is worth showing: the bends or boxes and wherever the robot was, not all of the entrance and the exit."""
     points = layout.segments.reshape(-1, 2)
     low, high = points.min(axis=0) - 40, points.max(axis=0) + 40
-    inner = np.sort(points, axis=0)[2:-2]
     start, goal = np.array(layout.start[:2]), np.array(layout.goal[:2])
-    near = np.vstack([track - 400, track + 400, inner if layout.name == "random" else track, [start - 400, start + 400, goal - 400, goal + 400]])
+    near = np.vstack([track - 400, track + 400, start - 400, start + 400, goal - 400, goal + 400])
+    if layout.name == "random":
+        near[:2, 0] = low[0], high[0]
     return np.maximum(low, near.min(axis=0)), np.minimum(high, near.max(axis=0))
 
 

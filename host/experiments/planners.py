@@ -36,7 +36,7 @@ def reach(config):
 def sources(folder=image.FIRMWARE):
     """Hash of all that decides how a run ends: the firmware in the folder, the planners it is compared with, the twin."""
     digest = hashlib.sha256()
-    files = [*_firmware(folder), Path(__file__), *sorted(BASELINES.rglob("*.py")), _PAPER, *sorted(_TWIN.rglob("*.py"))]
+    files = [*_firmware(folder), Path(__file__), Path(__file__).with_name("execute.py"), *sorted(BASELINES.rglob("*.py")), _PAPER, *sorted(_TWIN.rglob("*.py"))]
     for path in files:
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:12]

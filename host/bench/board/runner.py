@@ -35,6 +35,7 @@ POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN = ra
 _KINDS = 12
 _ROWS = 300000
 _STEADY_US = 4000000
+_WATCHED_US = 8000000  # of the heap: it takes long to look at
 
 _rows = array("i", bytes(16 * _ROWS)) if _what != "heap" else None
 _count = 0
@@ -304,6 +305,8 @@ def _watch_heap():
                 state[1] = grown
         state[0] += grown
         state[3] += 1
+        if lockstep.now > _STEADY_US + _WATCHED_US:
+            lockstep.on_end()
 
     def end():
         lockstep.on_end = lambda: None  # the firmware switches off yet
