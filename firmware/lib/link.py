@@ -17,7 +17,7 @@ from time import ticks_diff
 
 import telemetry
 from auth import SESSION
-from carriers import Datagrams, SerialLine, start_radio
+from carriers import SerialLine
 from commands import Commands
 from health import FAULTS
 from micropython import const
@@ -262,6 +262,8 @@ def start_link(config, settings, machine):
         try:
             import network
             import socket
+
+            from radio import Datagrams, start_radio
 
             carriers.append(Datagrams(start_radio(config, network), socket, config.wifi_port))
         except (ImportError, OSError, RuntimeError, ValueError) as error:

@@ -18,7 +18,6 @@ BUILD = ROOT / "build" / "twin"
 _ARCHITECTURES = (
     None, "x86", "x64", "armv6", "armv6m", "armv7m", "armv7em", "armv7emsp", "armv7emdp", "xtensa", "xtensawin", "rv32imc", "rv64imc"
 )
-_BOOTSTRAP = "bootstrap.py"
 
 
 class ToolMissing(Exception):
@@ -74,9 +73,6 @@ def _compile(sources, folder):
     for path, target in sources:
         output = work / target.with_suffix(".mpy")
         output.parent.mkdir(parents=True, exist_ok=True)
-        if path.name == _BOOTSTRAP:
-            shutil.copy(path, output.with_suffix(".py"))
-            continue
         command = [compiler, f"-march={architecture}", "-s", str(path.relative_to(path.parents[1])), "-o", str(output), str(path)]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:

@@ -136,11 +136,12 @@ class Process:
         descriptors = [str(to_board), str(from_board)]
         if engine == "micropython":
             board, firmware = image.compiled(firmware)
-            command = [*image.micropython(), "-X", f"heapsize={HEAP}"]
-            return [*command, str(board / "bootstrap.py"), *descriptors, str(board), str(firmware)]
-        board = image.BOARD
-        command = [sys.executable, "-E", "-S"]
-        return [*command, str(board / "bootstrap.py"), *descriptors, str(board), str(firmware), str(image.ROOT)]
+            # Short names, as on the board: the interpreter keeps each module's path in the heap.
+            for name, place in (("board", board), ("lib", firmware / "lib"), ("main.mpy", firmware / "main.mpy"), ("bootstrap.mpy", board / "bootstrap.mpy")):
+                (Path(self._folder) / name).symlink_to(place)
+            return [*image.micropython(), "-X", f"heapsize={HEAP}", "-m", "bootstrap", *descriptors]
+        command = [sys.executable, "-E", "-S", str(image.BOARD.parent / "bootstrap_cpython.py"), *descriptors]
+        return [*command, str(image.BOARD), str(firmware), str(image.ROOT)]
 
     def _read_request(self):
         data = os.read(self._from_board, 65536)

@@ -5,7 +5,8 @@ import sys
 
 import micropython
 import telemetry
-from carriers import Datagrams, SerialLine, start_radio
+from carriers import SerialLine
+from radio import Datagrams, start_radio
 from telemetry import Encoder, decode, frame
 
 MICROPYTHON = sys.implementation.name == "micropython"

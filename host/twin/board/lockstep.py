@@ -33,10 +33,10 @@ from array import array
 import micropython
 from micropython import const
 
-ADVANCE = const(1)
-READ = const(2)
-FLUSH = const(3)
-RESET = const(4)
+_ADVANCE = const(1)
+_READ = const(2)
+_FLUSH = const(3)
+_RESET = const(4)
 
 I2C_WRITE = const(1)
 PIN = const(2)
@@ -44,12 +44,12 @@ PWM_DUTY = const(3)
 PWM_FREQUENCY = const(4)
 UART_OUTPUT = const(5)
 
-REPLY = const(1024)
-PAYLOAD = const(176)
+_REPLY = const(1024)
+_PAYLOAD = const(176)
 
 _HEADER = const(72)
 _EVENT = const(12)
-_REQUEST = const(3072)  # below the size a pipe takes in one piece
+_REQUEST = const(1024)  # what does not fit goes ahead of its time
 _CHUNKS = const(4)
 _FIRST_CHUNK = const(6)
 _CHUNK = const(4)
@@ -66,11 +66,11 @@ _request = bytearray(_REQUEST)
 _view = memoryview(_request)
 _used = _HEADER
 # "l", not "q": MicroPython makes an object of every "q" it reads.
-_reply = array("l", [0] * (REPLY // 8))
-_answer = array("l", [0] * (REPLY // 8))  # to READ and FLUSH: chunks still on the wire stay in _reply
+_reply = array("l", [0] * (_REPLY // 8))
+_answer = array("l", [0] * (_REPLY // 8))  # to _READ and _FLUSH: chunks still on the wire stay in _reply
 _inputs = _reply
 _taken = array("i", [0] * _CHUNKS)
-_receivers = [None] * 48
+_receivers = {}  # by GPIO
 _to_twin = None
 _from_twin = None
 _seen = -1
@@ -90,7 +90,7 @@ def connect(read_descriptor, write_descriptor):
     global _from_twin, _to_twin
     _from_twin = open(read_descriptor, "rb")
     _to_twin = open(write_descriptor, "wb")
-    _exchange(FLUSH, 0, 0, 0)
+    _exchange(_FLUSH, 0, 0, 0)
 
 
 def attach(gpio, receiver):
@@ -106,14 +106,14 @@ def advance_to(time):
         reset()
     while time >= _horizon:
         _deliver_all()
-        _exchange(ADVANCE, 0, 0, time)
+        _exchange(_ADVANCE, 0, 0, time)
     now = time
 
 
 def deliver():
     """Hand the bytes that have arrived by now to their receivers."""
     words = _reply
-    start = PAYLOAD
+    start = _PAYLOAD
     index = 0
     at = _FIRST_CHUNK
     while index < words[5]:
@@ -137,7 +137,7 @@ def note(kind, where, value, data, count):
     """Note an event at this moment; `count` bytes of data (None when there are none)."""
     global _used
     if _used + _EVENT + count > _REQUEST:
-        _exchange(FLUSH, 0, 0, now)
+        _exchange(_FLUSH, 0, 0, now)
     struct.pack_into("<qBBH", _request, _used, now, kind, where, value)
     _used += _EVENT
     if count:
@@ -147,8 +147,8 @@ def note(kind, where, value, data, count):
 
 def read(address, buffer, count):
     """Fill buffer[:count] from an I2C device, whose register pointer has been set."""
-    _exchange(READ, address, count, now)
-    copy(buffer, 0, _answer, PAYLOAD, count)
+    _exchange(_READ, address, count, now)
+    copy(buffer, 0, _answer, _PAYLOAD, count)
 
 
 def acknowledges(address):
@@ -170,18 +170,18 @@ def adc():
 
 def flush():
     """Hand over what has happened so far."""
-    _exchange(FLUSH, 0, 0, now)
+    _exchange(_FLUSH, 0, 0, now)
 
 
 def reset():
     """The board resets: the run is over."""
-    _exchange(RESET, 0, 0, now)
+    _exchange(_RESET, 0, 0, now)
     sys.exit(3)
 
 
 def _deliver_all():
     """Everything announced arrives before the horizon."""
-    start = PAYLOAD
+    start = _PAYLOAD
     index = 0
     at = _FIRST_CHUNK
     while index < _reply[5]:
@@ -197,7 +197,7 @@ def _deliver_all():
 
 
 def _hand_over(chunk, start, count):
-    receiver = _receivers[_reply[chunk + 2]]
+    receiver = _receivers.get(_reply[chunk + 2])
     if receiver is not None and receiver.baudrate == _reply[chunk + 3]:  # at another speed it is noise, which nobody takes for frames
         receiver.put(_reply, start, count)
 
@@ -208,17 +208,17 @@ def _exchange(kind, address, size, target):
     struct.pack_into("<IBBHqq", _request, 0, _used, kind, address, size, now, target)
     struct.pack_into("<I", _request, 68, overflows)
     _probe()
-    answer = _reply if kind == ADVANCE else _answer
+    answer = _reply if kind == _ADVANCE else _answer
     try:
         _send(_used)
         got = _from_twin.readinto(answer)
     except OSError:
         got = 0
-    if got != REPLY:
+    if got != _REPLY:
         sys.exit(0)  # the twin has seen enough
     _used = _HEADER
     _inputs = answer
-    if kind == ADVANCE:
+    if kind == _ADVANCE:
         _horizon = answer[0]
 
 

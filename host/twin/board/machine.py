@@ -1,22 +1,19 @@
-"""`machine` as the firmware sees it on the simulated board: the parts of the ESP32 that have wires to something in the twin."""
+"""`machine` as the firmware sees it on the simulated board: the parts of the ESP32 that have wires to something in the twin.
+
+What is rarely used is in machine_more.py, and loaded when it is asked for: this lies in the robot's own heap.
+"""
 
 import lockstep
 from micropython import const
 
-PWRON_RESET = const(1)
-HARD_RESET = const(2)
-WDT_RESET = const(3)
-DEEPSLEEP_RESET = const(4)
-SOFT_RESET = const(5)
-
+_POWER_ON = const(1)
 _ENODEV = const(19)
 _I2C_OVERHEAD_US = const(40)  # driver time of one transfer, from what 4 and 64 data bytes take on the chip
-_frequency = 160000000
 
 
 def reset_cause():
     """The board has just been switched on."""
-    return PWRON_RESET
+    return _POWER_ON
 
 
 def reset():
@@ -24,33 +21,15 @@ def reset():
     lockstep.reset()
 
 
-soft_reset = reset
-
-
-def freq(hertz=None):
-    """Clock of the processor, Hz. Has no effect: computing takes no time here."""
-    global _frequency
-    if hertz is None:
-        return _frequency
-    _frequency = hertz
-
-
 def unique_id():
     """Six bytes, as the ESP32's."""
     return b"\x02twin\x00"
 
 
-def idle():
-    """Nothing to wait for."""
+def __getattr__(name):
+    import machine_more
 
-
-def disable_irq():
-    """No interrupts to disable."""
-    return 0
-
-
-def enable_irq(state):
-    """No interrupts to enable."""
+    return getattr(machine_more, name)
 
 
 class Pin:
@@ -61,8 +40,6 @@ class Pin:
     OPEN_DRAIN = const(7)
     PULL_UP = const(2)
     PULL_DOWN = const(1)
-    IRQ_RISING = const(1)
-    IRQ_FALLING = const(2)
 
     def __init__(self, gpio, mode=-1, pull=-1, *, value=None):
         self.gpio = gpio
@@ -97,9 +74,6 @@ class Pin:
         """Low."""
         self.value(0)
 
-    def irq(self, handler=None, trigger=0):
-        """Accepted and never called: inputs are to be polled."""
-
 
 def _gpio(pin):
     return pin.gpio if isinstance(pin, Pin) else pin
@@ -108,17 +82,12 @@ def _gpio(pin):
 class PWM:
     """Pulse width modulation on a pin."""
 
-    def __init__(self, pin, freq=5000, duty_u16=0, duty_ns=None, duty=None):
+    def __init__(self, pin, freq=5000, duty_u16=0):
         self._pin = _gpio(pin)
         self._duty = -1
         self._freq = -1
         self.freq(freq)
-        if duty_ns is not None:
-            self.duty_ns(duty_ns)
-        elif duty is not None:
-            self.duty(duty)
-        else:
-            self.duty_u16(duty_u16)
+        self.duty_u16(duty_u16)
 
     def freq(self, hertz=None):
         """Frequency, Hz."""
@@ -138,18 +107,6 @@ class PWM:
             self._duty = duty
             lockstep.note(lockstep.PWM_DUTY, self._pin, duty, None, 0)
 
-    def duty(self, duty=None):
-        """Share of the time the pin is high, 0..1023."""
-        if duty is None:
-            return self._duty >> 6
-        self.duty_u16(min(duty * 64, 65535))
-
-    def duty_ns(self, width=None):
-        """Width of the pulse, ns."""
-        if width is None:
-            return self._duty * 1000000000 // 65535 // self._freq
-        self.duty_u16(min(width * self._freq * 65535 // 1000000000, 65535))
-
     def deinit(self):
         """Stop: the pin is low."""
         self.duty_u16(0)
@@ -158,23 +115,8 @@ class PWM:
 class ADC:
     """The battery divider."""
 
-    ATTN_0DB = const(0)
-    ATTN_2_5DB = const(1)
-    ATTN_6DB = const(2)
-    ATTN_11DB = const(3)
-    WIDTH_12BIT = const(12)
-
-    def __init__(self, pin, atten=3):
+    def __init__(self, pin):
         self._pin = _gpio(pin)
-
-    def init(self, atten=3):
-        """Accepted; the range is always that of 11 dB."""
-
-    def atten(self, atten):
-        """Accepted; the range is always that of 11 dB."""
-
-    def width(self, bits):
-        """Accepted."""
 
     def read_u16(self):
         """Reading, 0..65535 over 3.3 V."""
@@ -183,10 +125,6 @@ class ADC:
     def read_uv(self):
         """Reading, uV."""
         return lockstep.adc() * 3300000 // 65535
-
-    def read(self):
-        """Reading, 0..4095."""
-        return lockstep.adc() >> 4
 
 
 class UART:
@@ -240,16 +178,6 @@ class UART:
         lockstep.note(lockstep.UART_OUTPUT, self._tx & 255, count, data, count)
         return count
 
-    def txdone(self):
-        """Always True."""
-        return True
-
-    def flush(self):
-        """Nothing to wait for."""
-
-    def deinit(self):
-        """Nothing to release."""
-
     def put(self, source, start, count):
         """The twin's side: bytes arrive."""
         room = self._size - self._count
@@ -300,20 +228,10 @@ class I2C:
         self._transfer(address, count + 1)
         lockstep.note(lockstep.I2C_WRITE, address, count + 1, self._joined, count + 1)
 
-    def writevto(self, address, vector, stop=True):
-        """Write several buffers as one."""
-        return self.writeto(address, b"".join(bytes(part) for part in vector))
-
     def readfrom_into(self, address, buffer, stop=True):
         """Read from where the register pointer stands."""
         self._transfer(address, len(buffer))
         lockstep.read(address, buffer, len(buffer))
-
-    def readfrom(self, address, count, stop=True):
-        """Read from where the register pointer stands."""
-        buffer = bytearray(count)
-        self.readfrom_into(address, buffer)
-        return bytes(buffer)
 
     def readfrom_mem_into(self, address, register, buffer, *, addrsize=8):
         """Read a register and those behind it."""
@@ -326,34 +244,3 @@ class I2C:
         buffer = bytearray(count)
         self.readfrom_mem_into(address, register, buffer)
         return bytes(buffer)
-
-
-SoftI2C = I2C
-
-
-class WDT:
-    """The watchdog: when it is not fed in time the board resets, which ends the run."""
-
-    def __init__(self, id=0, timeout=5000):
-        self._timeout_us = timeout * 1000
-        self.feed()
-
-    def feed(self):
-        """Start the time-out again."""
-        lockstep.watchdog_at = lockstep.now + self._timeout_us
-
-
-class Timer:
-    """Accepted and never called: the firmware's loop keeps its own time."""
-
-    ONE_SHOT = const(0)
-    PERIODIC = const(1)
-
-    def __init__(self, id=-1, **settings):
-        pass
-
-    def init(self, **settings):
-        """Accepted."""
-
-    def deinit(self):
-        """Accepted."""

@@ -1,0 +1,67 @@
+"""The parts of `machine` that the robot does not use; see machine.py."""
+
+import lockstep
+from machine import I2C, reset
+from micropython import const
+
+PWRON_RESET = const(1)
+HARD_RESET = const(2)
+WDT_RESET = const(3)
+DEEPSLEEP_RESET = const(4)
+SOFT_RESET = const(5)
+
+_frequency = 160000000
+
+soft_reset = reset
+
+
+def freq(hertz=None):
+    """Clock of the processor, Hz. Has no effect: computing takes no time here."""
+    global _frequency
+    if hertz is None:
+        return _frequency
+    _frequency = hertz
+
+
+def idle():
+    """Nothing to wait for."""
+
+
+def disable_irq():
+    """No interrupts to disable."""
+    return 0
+
+
+def enable_irq(state):
+    """No interrupts to enable."""
+
+
+SoftI2C = I2C
+
+
+class WDT:
+    """The watchdog: when it is not fed in time the board resets, which ends the run."""
+
+    def __init__(self, id=0, timeout=5000):
+        self._timeout_us = timeout * 1000
+        self.feed()
+
+    def feed(self):
+        """Start the time-out again."""
+        lockstep.watchdog_at = lockstep.now + self._timeout_us
+
+
+class Timer:
+    """Accepted and never called: the firmware's loop keeps its own time."""
+
+    ONE_SHOT = const(0)
+    PERIODIC = const(1)
+
+    def __init__(self, id=-1, **settings):
+        pass
+
+    def init(self, **settings):
+        """Accepted."""
+
+    def deinit(self):
+        """Accepted."""

@@ -1,0 +1,36 @@
+"""As bootstrap.py, where CPython plays the board.
+
+    bootstrap_cpython.py READ_FD WRITE_FD BOARD FIRMWARE ROOT
+
+BOARD: folder of lockstep, machine and time.  FIRMWARE: folder of main and lib.  ROOT: where `host.compat` is found.
+"""
+
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+
+_board, _firmware, _root = sys.argv[3:6]
+
+
+def _take_over(name):
+    """Make the board's module the one that `import name` gives, though the interpreter has one of its own."""
+    spec = spec_from_file_location(name, _board + "/" + name + ".py")
+    sys.modules[name] = module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+
+
+sys.path[:] = ["", _board, _firmware, _firmware + "/lib", *sys.path[1:], _root]
+from host import compat
+
+compat.install(_firmware)
+
+import lockstep
+
+_take_over("time")
+_take_over("machine")
+lockstep.connect(int(sys.argv[1]), int(sys.argv[2]))
+
+try:
+    import main
+except (Exception, KeyboardInterrupt):
+    lockstep.flush()  # what it did on its way out belongs to the run
+    raise
