@@ -62,7 +62,10 @@ def measure(courses=scans.COURSES, firmware=image.FIRMWARE, quiet=True):
 
 def report(found, inner):
     """The figures as a table, the budgets beside them."""
-    lines = [f"{'':10}{'ESP32, ms (modelled)':^30}{'here, us (MicroPython)':^32}", f"{'stage':10}{'median':>9}{'worst':>9}{'budget':>9}   {'best':>9}{'median':>9}{'worst':>9}   what"]
+    lines = [
+        f"{'':10}{'ESP32, ms (modelled)':^30}{'here, us (MicroPython)':^32}",
+        f"{'stage':10}{'median':>9}{'worst':>9}{'budget':>9}   {'best':>9}{'median':>9}{'worst':>9}   what",
+    ]
     for name, stage in found["stages"].items():
         worst, budget = stage["worst_ms_esp32"], stages.BUDGET_MS[name]
         mark = " " if worst is None or worst <= budget else "!"
@@ -72,8 +75,8 @@ def report(found, inner):
         )
     whole = found["whole_decision"]
     lines.append(
-        f"{'whole':10}{_cell(whole['median_ms_esp32'], 2)}{_cell(whole['worst_ms_esp32'], 2)}{'':9}   {'':9}{_cell(whole['median_us_here'])}{_cell(whole['worst_us_here'])}"
-        "   a decision with all its slices"
+        f"{'whole':10}{_cell(whole['median_ms_esp32'], 2)}{_cell(whole['worst_ms_esp32'], 2)}{'':9}   "
+        f"{'':9}{_cell(whole['median_us_here'])}{_cell(whole['worst_us_here'])}   a decision with all its slices"
     )
     lines += ["", f"{'':44}{'here':>9}{'to reach':>10}"]
     for words, value, budget in (

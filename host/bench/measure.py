@@ -15,7 +15,6 @@ from . import blocks, machine_code
 HERE = Path(__file__).resolve().parent
 HEAP = {"time": "192m", "count": "192m", "heap": "3m"}  # no collection of garbage falls into what is measured
 KINDS = ("", "poll", "place", "guard", "work", "update", "command", "points", "paper", "plain", "feed", "turn")
-_KINDS = 12
 LIMIT_S = 300
 
 
@@ -75,9 +74,9 @@ class Bench:
     def _play(self, what, tape, firmware, extra):
         data = self._run(what, tape, firmware, extra)
         words = np.frombuffer(data, "<i4")
-        size = _KINDS * len(self.blocks) if what == "count" else 0
+        size = len(KINDS) * len(self.blocks) if what == "count" else 0
         rows = words[: len(words) - size].reshape(-1, 4).copy()
-        counters = words[len(words) - size :].reshape(_KINDS, -1) if size else ()
+        counters = words[len(words) - size :].reshape(len(KINDS), -1) if size else ()
         return Log(rows, {KINDS[i]: counters[i] for i in range(1, len(KINDS))} if size else {})
 
     def _run(self, what, tape, firmware, *extra):

@@ -1,6 +1,7 @@
 """Runs what is missing, on all cores or on a cluster."""
 
 import os
+import signal
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 
@@ -38,8 +39,13 @@ def complete(runs, sources, store, executor, quiet=False):
 def executor(cluster=None, workers=None):
     """An executor of concurrent.futures: processes of this machine, or with the address of its scheduler a Dask cluster."""
     if cluster is None:
-        with ProcessPoolExecutor(workers or os.cpu_count()) as pool:
-            yield pool
+        # Ctrl-C is for this process; the workers end the runs they are at.
+        with ProcessPoolExecutor(workers or os.cpu_count(), initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN)) as pool:
+            try:
+                yield pool
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
         return
     try:
         from distributed import Client
@@ -48,6 +54,8 @@ def executor(cluster=None, workers=None):
     try:
         client = Client(cluster, timeout=PATIENCE_S)
     except (OSError, ValueError) as error:
-        raise ClusterMissing(f"no Dask scheduler answers at {cluster} ({type(error).__name__}): start one with `dask scheduler`, workers with `dask worker {cluster}`") from None
+        raise ClusterMissing(
+            f"no Dask scheduler answers at {cluster} ({type(error).__name__}): start one with `dask scheduler`, workers with `dask worker {cluster}`"
+        ) from None
     with client, client.get_executor(pure=False) as pool:
         yield pool

@@ -23,7 +23,7 @@ def write(done, sources, options, folder):
     times = [(f"{run.planner.upper()} {run.width:g}, ESP32", tables.classes(chip)) for run, chip, _, _ in tables.time_rows(done)]
     times += [(f"{run.planner.upper()} {run.width:g}, here", tables.classes(here)) for run, _, here, _ in tables.time_rows(done)]
     figures.decision_times(times, pictures / "decision-times.png")
-    (folder / "results.md").write_text(_text(done, found, made, together, times))
+    (folder / "results.md").write_text(_text(done, found, made, together))
 
 
 def _tracks(shown, pictures):
@@ -52,47 +52,48 @@ def _together(shown):
     return None
 
 
-def _text(done, found, made, together, times):
-    out = [_HEAD.format(made=made)]
-    out.append("## Narrower than long\n\n" + _picture("pass-rate", "pass rate against the width of the Z passage", made))
-    out.append(_RATES + "\n\n" + tables.rate_table(found) + "\n\n(passed without touching / runs)")
+def _text(done, found, made, together):
+    rates = [_RATES, tables.rate_table(found), "(passed without touching / runs)", _picture("pass-rate", "pass rate against the width of the Z passage", made)]
     if together:
-        width = together[0]["run"]["width"]
-        out.append(_picture("side-by-side", f"four planners, one start, a Z passage {width:g} mm wide", made.replace(made[made.index("seeds") : made.index(", sources")], f"seed {together[0]['run']['seed']}")))
-    out.append("## Z: Table 3 and figure 22\n\n" + tables.table_3(done) + "\n\nThe paper drove once each, from a start it does not tell. Here every run starts up to 40 mm and 5 degrees off.\n\n" + _shown("z", "tracks of the front A and the rear B, and the steering and speed decided", made))
-    out.append("## Decision times: figure 23\n\n" + _TIMES.format(paper=tables.PAPER_UP_TO_20_MS) + "\n\n" + _picture("decision-times", "decision times in the classes of figure 23", made) + "\n\n" + tables.time_table(done))
-    out.append("## S: figures 24 to 26\n\n" + tables.run_table(done, ("S", "S-sharp")) + "\n\n" + _shown("s", "the S courses", made))
-    out.append("## U: figures 27 and 28\n\n" + tables.run_table(done, ("U",)) + "\n\n" + _shown("u", "the U courses", made))
-    out.append("## Random: figures 29 to 33\n\n" + tables.run_table(done, ("random",)) + "\n\n" + _shown("random", "the random courses", made))
-    out.append("## Points: figure 11\n\n" + tables.point_table(done) + "\n\nMedians over each run. The memory holds more than one revolution shows: it keeps what the lidar is too near to see.")
-    out.append(_PLANNERS)
-    return "\n\n".join(out) + "\n"
+        run = together[0]["run"]
+        words = f"four planners, one start (seed {run['seed']}), a Z passage {run['width']:g} mm wide"
+        rates.append(_picture("side-by-side", words, made))
+    times = _TIMES.format(paper=tables.PAPER_UP_TO_20_MS)
+    sections = (
+        ("Narrower than long", *rates),
+        ("Z: Table 3 and figure 22", tables.table_3(done), _STARTS, _picture("z", "tracks of front A and rear B, steering and speed decided, seed 1", made)),
+        ("Decision times: figure 23", times, _picture("decision-times", "decision times in the classes of figure 23", made), tables.time_table(done)),
+        ("S: figures 24 to 26", tables.run_table(done, ("S", "S-sharp")), _picture("s", "the S courses", made)),
+        ("U: figures 27 and 28", tables.run_table(done, ("U",)), _picture("u", "the U courses", made)),
+        ("Random: figures 29 to 33", tables.run_table(done, ("random",)), _picture("random", "the random courses", made)),
+        ("Points: figure 11", tables.point_table(done), _POINTS),
+        ("The planners compared", _PLANNERS),
+    )
+    return "\n\n".join([_HEAD.format(made=made), *("\n\n".join(("## " + section[0], *section[1:])) for section in sections)]) + "\n"
 
 
 def _picture(name, words, made):
     return f"![{words}](results/{name}.png)\n*{words[0].upper() + words[1:]}. Made by {made}.*"
 
 
-def _shown(name, words, made):
-    return _picture(name, words, made)
-
-
 _HEAD = """# Results
 
 The experiments of the papers, run in the digital twin with the robot's own firmware under MicroPython; all figures and tables below come from
 one campaign: {made}. `make experiments` makes them anew; `sources` is the hash of the firmware, the planners it is compared with and the twin.
-Nothing here was measured on hardware."""
+Nothing here was measured on hardware. The two pictures that say most are the first two."""
 
 _RATES = """How often the Z course is passed without touching anything, over its width. *aws* and *naws* are this robot with all wheels steered and with
 the last axle straight. The others replace the planner and nothing else; see the end of this page."""
+
+_STARTS = "The paper drove each once, from a start it does not tell. Here every run starts up to 40 mm and 5 degrees off."
+
+_POINTS = "Medians over each run. The memory holds more than one revolution shows: it keeps what the lidar is too near to see."
 
 _TIMES = """The paper's decisions, on a laptop, took at most 20 ms in {paper:g} % of the cases or more. A decision here is all its slices together, the way
 out and the look-ahead included; *here* is MicroPython on the computer that ran this campaign, *ESP32* is modelled from the instructions executed (`make bench`). The robot
 goes on between slices, so what a lidar frame waits for is the longest slice, not the decision."""
 
-_PLANNERS = """## The planners compared
-
-- **rule24**: paper A as written: windows and zones of one revolution, gaps between neighbouring points, AF and AR by one degree until rule (24) holds,
+_PLANNERS = """- **rule24**: paper A as written: windows and zones of one revolution, gaps between neighbouring points, AF and AR by one degree until rule (24) holds,
   with a compensation of 35 mm (the paper gives no value), the emergency moves of its section 6, and section 4.3 where no gap is found. What the paper leaves
   open is the mirror image of what it says.
 - **disc-round**, **disc-narrow**: follow the gap (Sezer and Gokasan 2012) with the body taken for a disc: the one round the body, 325 mm in

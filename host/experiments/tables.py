@@ -66,9 +66,9 @@ def run_table(done, course):
     for run, entry in done.items():
         if run.shown and run.planner == plan.AWS and run.course in course:
             size = f"gaps of {run.gap:g}" if run.course == "random" else f"{run.width:g}"
+            name = f"{run.course}{', from the other end' if run.reverse else ''}"
             rows.append([
-                f"{run.course}{', from the other end' if run.reverse else ''}", size, str(run.seed), grade(entry), f"{entry['time_s']:.1f}", str(entry["contacts"]),
-                f"{entry['clearance_mm']:.0f}",
+                name, size, str(run.seed), grade(entry), f"{entry['time_s']:.1f}", str(entry["contacts"]), f"{entry['clearance_mm']:.0f}",
             ])
     return markdown(["course", "width, mm", "seed", "result", "time, s", "contacts", "least clearance, mm"], rows)
 
@@ -92,10 +92,8 @@ def time_table(done):
             f"{run.planner.upper()} {run.width:g}", str(len(chip)), *(f"{share:.1f}" for share in classes(here)), *(f"{share:.1f}" for share in classes(chip)),
             f"{np.median(chip):.1f}", f"{max(chip):.1f}", f"{longest:.1f}",
         ])
-    return markdown(
-        ["run", "decisions", "here: up to 10 ms, %", "10-20, %", "above 20, %", "ESP32: up to 10 ms, %", "10-20, %", "above 20, %", "ESP32 median, ms", "longest, ms", "longest slice, ms"],
-        rows,
-    )
+    head = ["run", "decisions", "here: up to 10 ms, %", "10-20, %", "above 20, %", "ESP32: up to 10 ms, %", "10-20, %", "above 20, %"]
+    return markdown([*head, "ESP32 median, ms", "longest, ms", "longest slice, ms"], rows)
 
 
 def point_table(done):

@@ -1,0 +1,184 @@
+"""Measures the calls of the robot's parts from outside: in microseconds here, or in instructions on the ESP32."""
+
+import gc
+from array import array
+
+import lockstep
+import log
+import micropython
+from log import COMMAND, FEED, GUARD, KINDS, PAPER, PLACE, PLAIN, POINTS, POLL, TURN, UPDATE, WORK
+
+
+class Watch:
+    """Measures the calls of one robot's parts. What a part calls of another is that other's."""
+
+    def __init__(self, robot):
+        self.robot = robot
+        self.before = 0  # of the odometry, to be added to the frame
+        self.inner = [0] * 8  # what the calls made from each open call took
+        self.depth = 0
+        avoid = robot.avoid
+        self.wrap(robot, "step", self.after_step)
+        self.wrap(robot.odometry, "advance", self.after_advance)
+        self.wrap(robot.lidar, "poll", self.after_poll)
+        self.wrap(avoid, "frame", self.after_place)
+        self.wrap(avoid, "guard", self.after_guard)
+        self.wrap(avoid, "work", self.after_work)
+        self.wrap(robot.drive, "command", self.after_command)
+        self.wrap(robot.drive, "update", self.after_update)
+
+    def wrap(self, part, name, after):
+        function = getattr(part, name)
+
+        def call(*arguments):
+            self.depth += 1
+            self.inner[self.depth] = 0
+            self.begin()
+            began = lockstep.now
+            out = function(*arguments)
+            own = self.end(name)
+            self.depth -= 1
+            self.inner[self.depth] += own + self.inner[self.depth + 1]
+            after(own, out, lockstep.now - began)
+            self.resume()
+            return out
+
+        setattr(part, name, call)
+
+    def after_step(self, value, out, waited):
+        if out:
+            log.write(TURN, value, value + self.inner[self.depth + 1])
+
+    def after_advance(self, value, out, waited):
+        self.before = value
+
+    def after_poll(self, value, out, waited):
+        if out:
+            log.write(POLL, value + self.before, lockstep.now - lockstep.last_byte_us)
+            self.before = 0
+
+    def after_place(self, value, out, waited):
+        log.write(PLACE, value, 0)
+
+    def after_guard(self, value, out, waited):
+        log.write(GUARD, value, 1 if out is True else 0)
+
+    def after_work(self, value, out, waited):
+        log.write(WORK, value, 1 if out else 0)
+        if out:
+            avoid = self.robot.avoid
+            inside = 0
+            for i in range(avoid.points_count):
+                if avoid.points_window[i]:
+                    inside += 1
+            log.write(POINTS, avoid.points_count, inside)
+            self.decided(avoid)
+
+    def after_command(self, value, out, waited):
+        log.write(COMMAND, value, 0)
+
+    def after_update(self, value, out, waited):
+        if waited or out:
+            log.write(UPDATE, value, waited)
+
+    def decided(self, avoid):
+        pass
+
+
+class Stopwatch(Watch):
+    """Microseconds here. clock: the interpreter's own time module; every: each so many-th decision is made by the baselines too, 0 for none."""
+
+    def __init__(self, robot, clock, every):
+        import paper
+        import plain
+
+        self.paper = paper.Planner(robot.config)
+        self.plain = plain.Planner(robot.config, robot.avoid.envelopes)
+        self.every = every
+        self.clock = clock
+        self.count = 0
+        self.now = clock.ticks_us
+        self.began = [0] * 8
+        super().__init__(robot)
+
+    def begin(self):
+        self.began[self.depth] = self.now()
+
+    def end(self, name):
+        return self.clock.ticks_diff(self.now(), self.began[self.depth]) - self.inner[self.depth]
+
+    def resume(self):
+        pass
+
+    def decided(self, avoid):
+        self.count += 1
+        if self.every == 0 or self.count % self.every:
+            return
+        # Now and then the decision is made by the baselines as well; the time that takes is nobody's.
+        for kind, planner in ((PAPER, self.paper), (PLAIN, self.plain)):
+            xs = [avoid.points_x[i] for i in range(avoid.points_count)]
+            ys = [avoid.points_y[i] for i in range(avoid.points_count)]
+            gc.collect()
+            gc.enable()  # they make objects of every float
+            began = self.now()
+            planner.decide(xs, ys)
+            took = self.clock.ticks_diff(self.now(), began)
+            gc.disable()
+            gc.collect()
+            log.write(kind, took, len(xs))
+
+
+@micropython.viper
+def _sum(counters: ptr32, costs: ptr32, count: int) -> int:
+    total = 0
+    i = 0
+    while i < count:
+        n = counters[i]
+        if n:
+            total += n * costs[i]
+        i += 1
+    return total
+
+
+@micropython.viper
+def _clear(counters: ptr32, count: int):
+    i = 0
+    while i < count:
+        counters[i] = 0
+        i += 1
+
+
+class Counter(Watch):
+    """Instructions on the ESP32, from the counters of the firmware's blocks. costs: file of what each block costs, i32 each."""
+
+    def __init__(self, robot, costs):
+        from counters import COUNTERS
+
+        with open(costs, "rb") as file:
+            self.costs = array("i", file.read())
+        self.size = len(self.costs)
+        self.own = [0] * 8
+        self.counters = COUNTERS
+        self.worst = [0] * KINDS
+        self.worst_counters = [array("i", bytes(4 * self.size)) for _ in range(KINDS)]
+        self.kinds = {"poll": POLL, "frame": PLACE, "guard": GUARD, "work": WORK, "command": COMMAND, "update": UPDATE, "advance": FEED, "step": TURN}
+        super().__init__(robot)
+
+    def begin(self):
+        """What has been counted since the enclosing call began or went on is its own."""
+        self.own[self.depth - 1] += _sum(self.counters, self.costs, self.size)
+        self.own[self.depth] = 0
+        _clear(self.counters, self.size)
+
+    def end(self, name):
+        last = _sum(self.counters, self.costs, self.size)
+        kind = self.kinds[name]
+        if last > self.worst[kind]:
+            self.worst[kind] = last
+            target = self.worst_counters[kind]
+            for i in range(self.size):
+                target[i] = self.counters[i]
+        return self.own[self.depth] + last
+
+    def resume(self):
+        _clear(self.counters, self.size)
