@@ -18,10 +18,7 @@ import reasons
 from envelope import LENGTHS, Envelopes
 from field import Field, score_ends
 from surroundings import Surroundings
-from sweep import (
-    BAND, CAP, COUNT, FIRST, FIRST_STRIP, FLOOR, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, MARGIN, NEAR, SOFT, STRIDE, drop_behind, mirror,
-    move, sort_near, sweep_arcs, sweep_strips,
-)
+from sweep import BAND_MM, Sweep, drop_behind, mirror, move, sort_near
 from trig import cos14, sin14
 from windows import NO_ZONE, RED, Windows
 
@@ -29,7 +26,7 @@ _POINTS = const(384)
 _NODES = const(10)
 _NOTHING = const(65535)
 _NO_POINT = const(32767)
-_BAND = const(12)
+_PATIENCE = const(5)  # times backing up on the same ground
 
 # Stages of a decision.
 _IDLE = const(0)
@@ -177,7 +174,7 @@ class Avoid:
         self._soft2 = array("H", bytes(2 * count))
         self._block2 = array("H", bytes(2 * count))
         self._score2 = array("H", bytes(2 * count * LENGTHS))
-        self._sweep = array("i", [0] * JOB_FIELDS)
+        self._sweep = Sweep(env)
         self._ends_job = array("i", [0] * 11)
         self._weigh_job = array("i", [0] * 10)
         self._node_variant = bytearray(_NODES)
@@ -194,6 +191,11 @@ class Avoid:
         self._field_frame = 0
         self._decided_travel = 0
         self._decided_frame = 0
+        self._travel256 = 0
+        self._anchor_x = 0
+        self._anchor_y = 0
+        self._anchor_heading = 0
+        self._reversals = 0
         # The steering being driven: candidate and how it is mirrored (bit 0 left, bit 1 backward).
         self._k = 0
         self._variant = 0
@@ -278,7 +280,7 @@ class Avoid:
     def _look(self, odometry):
         env = self.envelopes
         n = self.points.view(odometry, self._x, self._y, self.look_ahead + env.half_length)
-        self._near = sort_near(self._x, self._y, n, env.half_width, env.half_length, env.soft + _BAND)
+        self._near = sort_near(self._x, self._y, n, env.half_width, env.half_length, env.soft + BAND_MM)
         self._n = n
 
     def _current_free(self):
@@ -286,6 +288,15 @@ class Avoid:
         v = self._variant
         self._run(v, k, k + 1, 1, 0)
         return self.free_of[v][k]
+
+    def _run_all(self, variant):
+        """Sweep every candidate of one variant."""
+        env = self.envelopes
+        if variant & 2:
+            self._run(variant, env.astern_first, env.arcs, 1, env.lengths[0])
+        else:
+            self._run(variant, 0, env.ahead_end, 1, env.lengths[0])
+        self._run(variant, env.arcs, env.count, 1, env.lengths[0])
 
     def _run(self, variant, first, last, stride, floor):
         """Sweep candidates first..last-1 in one variant."""
@@ -296,37 +307,12 @@ class Avoid:
             mirror(self._y, n)
         env = self.envelopes
         left = drop_behind(self._x, self._y, self._near, n, env.half_length + env.soft)
-        self._sweep_on(self._x, self._y, left, self._near, first, last, stride, floor, self.free_of[variant],
+        self._sweep.run(self._x, self._y, left, self._near, first, last, stride, floor, self.free_of[variant],
                        self.soft_of[variant], self.block_of[variant])
         if variant & 1:
             mirror(self._x, n)
         if variant & 2:
             mirror(self._y, n)
-
-    def _sweep_on(self, px, py, n, near, first, last, stride, floor, free, soft, block):
-        env = self.envelopes
-        job = self._sweep
-        job[NEAR] = near
-        job[COUNT] = n
-        job[HALF_WIDTH] = env.half_width
-        job[HALF_LENGTH] = env.half_length
-        job[MARGIN] = env.margin
-        job[CAP] = self.look_ahead
-        job[FLOOR] = floor
-        job[STRIDE] = stride
-        job[SOFT] = env.soft
-        job[BAND] = _BAND
-        arcs = env.arcs
-        job[FIRST_STRIP] = arcs
-        if first < arcs:
-            job[FIRST] = first
-            job[LAST] = last if last < arcs else arcs
-            sweep_arcs(px, py, job, env.consts, env.table, env.seconds, free, soft, block)
-        if last > arcs:
-            job[FIRST] = first if first > arcs else arcs
-            job[LAST] = last
-            job[STRIDE] = 1
-            sweep_strips(px, py, job, env.strips, free, soft, block)
 
     # ---- worth
 
@@ -400,7 +386,7 @@ class Avoid:
             return False
         env = self.envelopes
         if stage == _RIGHT or stage == _LEFT:
-            self._run(stage - _RIGHT, 0, env.count, 1, env.lengths[0])
+            self._run_all(stage - _RIGHT)
             self._stage = stage + 1
             return False
         if stage == _CHOOSE:
@@ -415,7 +401,7 @@ class Avoid:
             self._stage = _BACK_RIGHT
             return False
         if stage == _BACK_RIGHT or stage == _BACK_LEFT:
-            self._run(stage - _BACK_RIGHT + 2, 0, env.count, 1, env.lengths[0])
+            self._run_all(stage - _BACK_RIGHT + 2)
             self._stage = stage + 1
             return False
         if stage == _NODE_PICK:
@@ -432,7 +418,9 @@ class Avoid:
                 self._stage = _SETTLE
             return False
         self._stage = _IDLE
+        self._travel256 = odometry.travel256
         self._settle(odometry)
+        self._count_reversals(odometry, self._variant > 1)
         return self._publish()
 
     def _resting(self, odometry):
@@ -548,7 +536,7 @@ class Avoid:
             y = -y
             turn = -turn
         n = move(self._x, self._y, self._n, x, y, sin14(turn), cos14(turn), self.look_ahead + env.half_length, self._nx, self._ny)
-        near = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.soft + _BAND)
+        near = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.soft + BAND_MM)
         self._grid(odometry, x, y, turn)
         first_af = self.af
         a = env.af[k]
@@ -567,10 +555,11 @@ class Avoid:
                 mirror(self._nx, n)
             else:
                 n = drop_behind(self._nx, self._ny, near, n, env.half_length + env.soft)
-            self._sweep_on(self._nx, self._ny, n, near, 0, env.count, 2, env.lengths[1], self._free2, self._soft2, self._block2)
-            self._worth(second, self._free2, self._soft2, self._score2, 0, env.arcs, 2, a, r, 60)
+            self._sweep.run(self._nx, self._ny, n, near, 0, env.ahead_end, 2, env.lengths[1], self._free2, self._soft2, self._block2)
+            self._sweep.run(self._nx, self._ny, n, near, env.arcs, env.count, 1, env.lengths[1], self._free2, self._soft2, self._block2)
+            self._worth(second, self._free2, self._soft2, self._score2, 0, env.ahead_end, 2, a, r, 60)
             self._worth(second, self._free2, self._soft2, self._score2, env.arcs, env.count, 1, a, r, 60)
-            b = _best(self._score2, 0, env.arcs, 2)
+            b = _best(self._score2, 0, env.ahead_end, 2)
             c = _best(self._score2, env.arcs, env.count, 1)
             if c != _NOTHING and (b == _NOTHING or self._score2[c] < self._score2[b]):
                 b = c
@@ -586,6 +575,8 @@ class Avoid:
     def _settle(self, odometry):
         """Drive the best pair of moves, or the least bad single one, or stand."""
         env = self.envelopes
+        if self._reversals >= _PATIENCE and self._leave():
+            return
         if self._best_value < 65535:
             v = self._node_variant[self._best_node]
             at = self._node_at[self._best_node]
@@ -624,6 +615,46 @@ class Avoid:
             self._limit = 0
             self.free = 0
             self.why = reasons.BOXED
+
+    def _leave(self):
+        """To and fro on the same ground has led nowhere: go back or on as far as anything goes, and look from there."""
+        env = self.envelopes
+        best = env.lengths[2]
+        found = False
+        for v in (2, 3, 0, 1):
+            free = self.free_of[v]
+            for k in range(env.count):
+                if free[k] > best:
+                    best = free[k]
+                    self._variant = v
+                    self._k = k
+                    found = True
+        if not found:
+            return False
+        self._take(self._variant, self._k)
+        self._second_k = -1
+        self._plan = 1
+        self._limit = min(best - env.lengths[0], env.lengths[3])
+        self._until = self._travel256 + (self._limit << 8)
+        self._reversals = 0
+        self.why = reasons.AGAIN
+        return True
+
+    def _count_reversals(self, odometry, back):
+        """How often the robot has backed up since it last got anywhere: a third of its length on, or 15 degrees round."""
+        dx = (odometry.x - self._anchor_x) >> 8
+        dy = (odometry.y - self._anchor_y) >> 8
+        turned = (odometry.heading - self._anchor_heading) % 360000
+        if turned > 180000:
+            turned = 360000 - turned
+        third = self.envelopes.half_length * 2 // 3
+        if turned > 15000 or dx * dx + dy * dy > third * third:
+            self._anchor_x = odometry.x
+            self._anchor_y = odometry.y
+            self._anchor_heading = odometry.heading
+            self._reversals = 0
+        if back:
+            self._reversals += 1
 
     def _follow(self, odometry):
         """Go on with the plan if the points still allow it. Returns False when it is over."""

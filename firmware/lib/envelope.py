@@ -24,6 +24,8 @@ class Envelopes:
     """The tables; about half a second of computing on the ESP32.
 
     count                      candidates; 0..arcs-1 turn right, arcs..count-1 go straight or crab to the right
+    ahead_end, astern_first    arcs 0..ahead_end-1 are for driving ahead, astern_first..arcs-1 for driving backward; all of them for both,
+                               unless the last axle stays straight
     af, ar                     array 'h', 0.1 deg
     ends, turns                for each candidate and each of LENGTHS travels (`lengths`, mm) where the body's centre comes to lie,
                                x, y, mm + 8192, and how far it has turned clockwise, 0.1 deg

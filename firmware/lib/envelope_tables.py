@@ -46,6 +46,10 @@ def fill(env, config):
     pairs = _pairs(env, config.mode == "AWS")
     strips = STRIPS if config.mode == "AWS" else (0,)
     env.arcs = len(pairs)
+    # A last axle that stays straight is the first one of the mirror in which backward moves are tabulated.
+    all_wheels = config.mode == "AWS"
+    env.ahead_end = env.arcs if all_wheels else env.arcs // 2
+    env.astern_first = 0 if all_wheels else env.arcs // 2
     env.count = env.arcs + len(strips)
     env.af = array("h", [p[0] * 10 for p in pairs] + [a * 10 for a in strips])
     env.ar = array("h", [p[1] * 10 for p in pairs] + [a * 10 for a in strips])
@@ -67,7 +71,7 @@ def fill(env, config):
 def _pairs(env, all_wheels):
     """(AF, AR) of the arcs, degrees."""
     if not all_wheels:
-        return [(front, 0) for front in FRONT_ONLY]
+        return [(front, 0) for front in FRONT_ONLY] + [(0, -front) for front in FRONT_ONLY]
     pairs = []
     for i, front in enumerate(RIGHT_ANGLES):
         for j, rear in enumerate(RIGHT_ANGLES):

@@ -15,21 +15,19 @@ Lengths on the floor are 1/8 mm modulo 2**16; costs are sixteenths of a cell.
 """
 
 from array import array
-from math import cos, pi, sin, tan
 
 import micropython
 from micropython import const
 
-from trig import cos14, sin14
+from once import forget
 
-N = const(30)
-TURNS = const(12)
-PLACES = const(900)
-STATES = const(10800)
-QUEUE = const(2048)
+_N = const(30)
+_TURNS = const(12)
+_PLACES = const(900)
+_STATES = const(10800)
+_QUEUE = const(2048)
 _TRAIL = const(1)
 _TRAIL_POINTS = const(160)
-FAR = const(20000)  # mm: no way known
 
 
 @micropython.viper
@@ -410,25 +408,6 @@ def score_ends(cost, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, sco
         k += stride
 
 
-def _shape(half_width, half_length, margin, cell):
-    """For each orientation the slopes and offsets of the outline's edges, a row of the grid at a time; see _close()."""
-    shape = array("i", [0] * 85)
-    far = 1 << 20
-    for t in range(TURNS):
-        s = sin(t * pi / TURNS)
-        c = abs(cos(t * pi / TURNS))
-        b = t * 7
-        upright = t == TURNS // 2
-        shape[b] = 65536 + (0 if upright else round(1024 * tan(t * pi / TURNS)))
-        shape[b + 1] = 65536 + (round(-1024 / tan(t * pi / TURNS)) if t and not upright else 0)
-        for i, (width, length) in enumerate(((half_width - cell * 3 // 10, half_length - cell * 6 // 10), (half_width + margin, half_length + margin))):
-            shape[b + 2 + 2 * i] = far if upright else int(width / c)
-            shape[b + 3 + 2 * i] = int(length / s) if t else far
-        shape[b + 6] = int((half_length + margin) * c + (half_width + margin) * s)
-    shape[84] = half_length + half_width
-    return shape
-
-
 class Field:
     """Cost of leaving, by pose. `ready` once a first field exists; `work()` renews it slice by slice."""
 
@@ -436,27 +415,18 @@ class Field:
         length = config.robot_length
         width = config.robot_width
         self.cell = length * 8 // 12  # 1/8 mm
-        # Poses in which a point comes into the outline proper are dear; closed are only those in which it comes well into it, or
-        # narrow passages would close on the grid.
-        self._shape = _shape(width * 4, length * 4, config.avoid_margin * 8, self.cell)
-        self._steps = array("H", [0] * 97)
-        for t in range(TURNS):
-            s = sin(t * pi / TURNS)
-            c = cos(t * pi / TURNS)
-            for d, (x, y) in enumerate(((-1, 1), (0, 1), (1, 1), (-1, 0), (1, 0), (-1, -1), (0, -1), (1, -1))):
-                r = (x * x + y * y) ** 0.5
-                across = (x * c - y * s) / r
-                # sideways costs half as much again: it is slow to set up
-                self._steps[t * 8 + d] = round(16 * r * (1 + 0.5 * across * across))
-        # a step of turning moves the ends of the body by length / 2 * pi / 12; two thirds of that
-        self._steps[96] = round(16 * (length / 2 * pi / TURNS) * 8 * 0.6 / self.cell)
+        import field_tables
+
+        self._shape = field_tables.shape(width, length, config.avoid_margin, self.cell)
+        self._steps = field_tables.steps(length, self.cell)
+        forget("field_tables")
         self._trail_radius = width * 4 + self.cell // 2
-        self._weight = bytearray(PLACES)
-        self._closed = array("i", [0] * (N * TURNS))
-        self._tight = array("i", [0] * (N * TURNS))
+        self._weight = bytearray(_PLACES)
+        self._closed = array("i", [0] * (_N * _TURNS))
+        self._tight = array("i", [0] * (_N * _TURNS))
         # 16-bit words, but only the viper functions look inside; array('H') could not be made without a second copy
-        self._queue = bytearray(2 * QUEUE)
-        self.cost = bytearray(2 * STATES)
+        self._queue = bytearray(2 * _QUEUE)
+        self.cost = bytearray(2 * _STATES)
         self._state = array("i", [0, 0, 0])
         self._tx = array("H", bytes(2 * _TRAIL_POINTS))
         self._ty = array("H", bytes(2 * _TRAIL_POINTS))
@@ -504,7 +474,7 @@ class Field:
         """One slice of the next field. Returns True when a new field has just come into use."""
         stage = self._stage
         if stage == 0:
-            half = self.cell * (N // 2)
+            half = self.cell * (_N // 2)
             self._next_x = ((odometry.x >> 5) - half) & 0xFFFF
             self._next_y = ((odometry.y >> 5) - half) & 0xFFFF
             _clear(self.cost, self._closed, self._tight, self._queue, self._weight)
@@ -540,7 +510,7 @@ class Field:
             first = 0
         r = self._trail_radius
         cell = self.cell
-        size = cell * N
+        size = cell * _N
         i = first
         while i < last:
             k = i % _TRAIL_POINTS

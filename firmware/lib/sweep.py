@@ -15,22 +15,25 @@ import micropython
 from micropython import const
 
 # Fields of the job: what to test against what.
-NEAR = const(0)
-COUNT = const(1)
-FIRST = const(2)
-LAST = const(3)
-HALF_WIDTH = const(4)
-HALF_LENGTH = const(5)
-MARGIN = const(6)
-CAP = const(7)
-FLOOR = const(8)
-TESTS = const(9)
-HITS = const(10)
-FIRST_STRIP = const(11)
-STRIDE = const(12)
-SOFT = const(13)
-BAND = const(14)
-JOB_FIELDS = const(15)
+_NEAR = const(0)
+_COUNT = const(1)
+_FIRST = const(2)
+_LAST = const(3)
+_HALF_WIDTH = const(4)
+_HALF_LENGTH = const(5)
+_MARGIN = const(6)
+_CAP = const(7)
+_FLOOR = const(8)
+_TESTS = const(9)
+_HITS = const(10)
+_FIRST_STRIP = const(11)
+_STRIDE = const(12)
+_SOFT = const(13)
+_BAND = const(14)
+_JOB_FIELDS = const(15)
+
+BAND_MM = const(12)  # points nearer to the outline than this beyond the soft margin are looked at one by one
+
 
 def _table(size, of):
     """array('H') of of(0), of(1), ..., rounded; filled in place, for a list in between would need four times the room."""
@@ -120,12 +123,12 @@ def move(px: ptr16, py: ptr16, n: int, x: int, y: int, s: int, c: int, reach: in
 
 
 @micropython.viper
-def sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, seconds: ptr16, free: ptr16, soft: ptr16, blocker: ptr16):
-    """Free length of the arc candidates job[FIRST]..job[LAST]-1 against the points.
+def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, seconds: ptr16, free: ptr16, soft: ptr16, blocker: ptr16):
+    """Free length of the arc candidates job[_FIRST]..job[_LAST]-1 against the points.
 
     free: mm until a point comes within the margin (a point already nearer may come 2 mm nearer);
     soft: the same with the wider, soft margin; blocker: index of the point that ends it, 65535 none.
-    A candidate found to be shorter than job[FLOOR] is given up at once.
+    A candidate found to be shorter than job[_FLOOR] is given up at once.
     """
     atan = ptr16(ATAN)
     root = ptr16(ROOT)
@@ -292,8 +295,8 @@ def sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, se
 
 
 @micropython.viper
-def sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, soft: ptr16, blocker: ptr16):
-    """As sweep_arcs, for straight and crab candidates; results follow those of the arcs (index job[FIRST]..)."""
+def _sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, soft: ptr16, blocker: ptr16):
+    """As _sweep_arcs, for straight and crab candidates; results follow those of the arcs (index job[_FIRST]..)."""
     near = job[0]
     n = job[1]
     k = job[2]
@@ -385,3 +388,40 @@ def sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, s
         blocker[k] = block
         k += stride
     job[9] += n
+
+
+class Sweep:
+    """The tests of the candidates of some Envelopes."""
+
+    def __init__(self, envelopes):
+        self._envelopes = envelopes
+        self._job = array("i", [0] * _JOB_FIELDS)
+
+    def run(self, px, py, n, near, first, last, stride, floor, free, soft, block):
+        """Free length, soft free length and blocking point of the candidates first..last-1, each stride-th of the arcs.
+
+        px, py: n points, those near the outline first (`near` of them, see sort_near). Arcs shorter than floor mm are given up early.
+        """
+        env = self._envelopes
+        job = self._job
+        job[_NEAR] = near
+        job[_COUNT] = n
+        job[_HALF_WIDTH] = env.half_width
+        job[_HALF_LENGTH] = env.half_length
+        job[_MARGIN] = env.margin
+        job[_CAP] = env.look_ahead
+        job[_FLOOR] = floor
+        job[_STRIDE] = stride
+        job[_SOFT] = env.soft
+        job[_BAND] = BAND_MM
+        arcs = env.arcs
+        job[_FIRST_STRIP] = arcs
+        if first < arcs:
+            job[_FIRST] = first
+            job[_LAST] = last if last < arcs else arcs
+            _sweep_arcs(px, py, job, env.consts, env.table, env.seconds, free, soft, block)
+        if last > arcs:
+            job[_FIRST] = first if first > arcs else arcs
+            job[_LAST] = last
+            job[_STRIDE] = 1
+            _sweep_strips(px, py, job, env.strips, free, soft, block)

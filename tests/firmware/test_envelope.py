@@ -6,9 +6,7 @@ from math import cos, sin
 from config import Config
 from envelope import BIAS, Envelopes
 from envelope_tables import end
-from sweep import (
-    BAND, CAP, COUNT, FIRST, FIRST_STRIP, HALF_LENGTH, HALF_WIDTH, JOB_FIELDS, LAST, MARGIN, NEAR, SOFT, STRIDE, sort_near, sweep_arcs, sweep_strips,
-)
+from sweep import BAND_MM, Sweep, sort_near
 
 _config = Config()
 _env = Envelopes(_config)
@@ -25,26 +23,11 @@ def _sweep(points, env=_env):
     n = len(points)
     px = array("H", [p[0] + BIAS for p in points])
     py = array("H", [p[1] + BIAS for p in points])
-    near = sort_near(px, py, n, env.half_width, env.half_length, env.soft + 12)
+    near = sort_near(px, py, n, env.half_width, env.half_length, env.soft + BAND_MM)
     free = array("H", bytes(2 * env.count))
     soft = array("H", bytes(2 * env.count))
     block = array("H", bytes(2 * env.count))
-    job = array("i", [0] * JOB_FIELDS)
-    job[NEAR] = near
-    job[COUNT] = n
-    job[HALF_WIDTH] = env.half_width
-    job[HALF_LENGTH] = env.half_length
-    job[MARGIN] = env.margin
-    job[CAP] = env.look_ahead
-    job[STRIDE] = 1
-    job[SOFT] = env.soft
-    job[BAND] = 12
-    job[FIRST_STRIP] = env.arcs
-    job[LAST] = env.arcs
-    sweep_arcs(px, py, job, env.consts, env.table, env.seconds, free, soft, block)
-    job[FIRST] = env.arcs
-    job[LAST] = env.count
-    sweep_strips(px, py, job, env.strips, free, soft, block)
+    Sweep(env).run(px, py, n, near, 0, env.count, 1, 0, free, soft, block)
     return free, soft, block
 
 
