@@ -23,7 +23,8 @@ avoid = Avoid(config)  # its tables are large: they come first, while the heap i
 from drive import Drive
 from health import Health
 from lidar import Lidar
-from link import start_link
+from link_start import start_link
+from once import forget
 from pca9685 import PCA9685
 from robot import Robot
 from settings import Settings
@@ -64,6 +65,8 @@ try:
 except OSError as error:
     print("gapseeker: cannot start:", error)
     raise
+del build, start_link  # their room is the robot's from now on
+forget("link_start", "version")
 
 try:
     while True:

@@ -163,8 +163,8 @@ class Avoid:
         size = 2 * _POINTS
         self._x = array("H", bytes(size))
         self._y = array("H", bytes(size))
-        self._nx = array("H", bytes(size))  # points as seen from a node
-        self._ny = array("H", bytes(size))
+        self._nx = self.points_x  # points as seen from a node: those for others are made anew at the end of the decision
+        self._ny = self.points_y
         count = env.count
         self.free_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
         self.soft_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
@@ -173,7 +173,7 @@ class Avoid:
         self._free2 = array("H", bytes(2 * count))
         self._soft2 = array("H", bytes(2 * count))
         self._block2 = array("H", bytes(2 * count))
-        self._score2 = array("H", bytes(2 * count * LENGTHS))
+        self._score2 = self._score[0]  # done with by then
         self._sweep = Sweep(env)
         self._ends_job = array("i", [0] * 11)
         self._weigh_job = array("i", [0] * 10)
@@ -522,6 +522,7 @@ class Avoid:
 
     def _expand(self, odometry):
         """Second moves from where a node ends."""
+        self.points_count = -1  # for now there are none for others
         env = self.envelopes
         v = self._node_variant[self._node]
         at = self._node_at[self._node]

@@ -35,10 +35,7 @@ def fill(config, values):
     config.live = tuple(live)
     for key in given:
         _unknown(key, given[key], schema.BOOT + schema.LIVE)
-    _check_body(config)
-    _check_chips(config)
-    _check_pins(config)
-    _check_order(config)
+    _check(config)
 
 
 def _shared(config, name):
@@ -113,14 +110,12 @@ def _list(config, row, value):
     return array("h", [number(key, one, low, high, unit, _scale(row)[0], False) for one in value])
 
 
-def _check_body(config):
+def _check(config):
+    """What no single value tells: whether they go together."""
     if sum(config.axles_spacings) > config.robot_length:
         refuse("axles.spacings", list(config.axles_spacings), "the sum must not exceed robot.length = %d mm" % config.robot_length)
     if config.axles_track > config.robot_width:
         refuse("axles.track", config.axles_track, "it must not exceed robot.width = %d mm" % config.robot_width)
-
-
-def _check_chips(config):
     _distinct("servos.channels", config.servos_channels, 1)
     _distinct("motors.channels", config.motors_channels, 2)
     chips = (("servos.address", config.servos_address), ("motors.left", config.motors_left), ("motors.right", config.motors_right))
@@ -128,9 +123,6 @@ def _check_chips(config):
         for earlier in chips[:k]:
             if earlier[1] == chips[k][1]:
                 refuse(chips[k][0], "0x%02x" % chips[k][1], "already the address of %s" % earlier[0])
-
-
-def _check_pins(config):
     names = ["lidar_rx", "lidar_motor_pin", "i2c_scl", "i2c_sda", "pins_output_enable", "pins_stop_button", "pins_battery"]
     if config.screen_kind != "none":
         names += ["screen_tx", "screen_rx"]
@@ -142,9 +134,6 @@ def _check_pins(config):
         if pin is not None and pin in owners:
             refuse(key_of(name), pin, "already the pin of %s" % key_of(owners[pin]))
         owners[pin] = name
-
-
-def _check_order(config):
     disorder = config.disorder()
     if disorder:
         low, high = disorder

@@ -8,9 +8,9 @@ from math import atan2, cos, pi, sin, sqrt, tan
 
 from micropython import const
 
-BIAS = const(8192)
-BINS = const(24)
-LENGTHS = const(5)
+_BIAS = const(8192)
+_BINS = const(24)
+_LENGTHS = const(5)
 _STRIDE = const(12)
 
 # Fields of a candidate's constants.
@@ -56,11 +56,11 @@ def fill(env, config):
     la = env.look_ahead
     env.lengths = array("H", [la // 14, la // 7, la * 2 // 7, la * 4 // 7, la])
     env.consts = array("i", bytes(4 * env.arcs * _STRIDE))
-    env.table = bytearray(2 * env.arcs * BINS * 2)  # 16-bit words for the viper functions
+    env.table = bytearray(2 * env.arcs * _BINS * 2)  # 16-bit words for the viper functions
     env.seconds = array("H")
     env.strips = array("i", bytes(4 * 8 * len(strips)))
-    env.ends = array("H", bytes(2 * env.count * LENGTHS * 2))
-    env.turns = array("h", bytes(2 * env.count * LENGTHS))
+    env.ends = array("H", bytes(2 * env.count * _LENGTHS * 2))
+    env.turns = array("h", bytes(2 * env.count * _LENGTHS))
     for k in range(env.arcs):
         _fill_arc(env, k, env.margin, env.soft)
     for k in range(env.count - env.arcs):
@@ -112,15 +112,15 @@ def _fill_arc(env, k, margin, soft):
     ref = _reference(env, xc, yc)
     c = env.consts
     b = k * _STRIDE
-    c[b + _XC] = round(xc) + BIAS
-    c[b + _YC] = round(yc) + BIAS
+    c[b + _XC] = round(xc) + _BIAS
+    c[b + _YC] = round(yc) + _BIAS
     c[b + _IN_SOFT] = int(s_in * s_in)
     c[b + _OUT_SOFT] = int(s_out * s_out) + 1
     c[b + _IN] = int(r_in * r_in)
     c[b + _OUT] = int(r_out * r_out) + 1
     c[b + _R_IN] = int(r_in)
     # bins: (d - r_in) in 1/16 mm * scale >> 12 = bin in 1/256
-    scale = int(BINS * 65536 / (r_out - r_in))
+    scale = int(_BINS * 65536 / (r_out - r_in))
     c[b + _BIN_SCALE] = scale
     c[b + _TURN_MM] = int(2 * pi * ref)
     c[b + _ANGLE_MAX] = min(int(env.look_ahead * 65536 / (2 * pi * ref)), 60000)
@@ -131,7 +131,7 @@ def _fill_arc(env, k, margin, soft):
     table = env.table
     again = []  # (first, last) from the first bin on that has two entries
     second_bin = 0
-    for j in range(BINS):
+    for j in range(_BINS):
         low = _entries(env, xc, yc, hw, hl, int(r_in) + (j + 0.02) * width)
         high = _entries(env, xc, yc, hw, hl, int(r_in) + (j + 0.98) * width)
         if not low:
@@ -146,7 +146,7 @@ def _fill_arc(env, k, margin, soft):
                 both = low if len(low) > len(high) else high
                 first = both[0], both[0]
                 last = both[-1], both[-1]
-        t = (k * BINS + j) * 4
+        t = (k * _BINS + j) * 4
         for value in first:
             table[t] = value & 0xFF
             table[t + 1] = value >> 8
@@ -226,12 +226,12 @@ def _fill_strip(env, k, margin, soft):
 
 def _fill_ends(env):
     for k in range(env.count):
-        for i in range(LENGTHS):
+        for i in range(_LENGTHS):
             x, y, turn = end(env, k, env.lengths[i])
-            t = (k * LENGTHS + i) * 2
-            env.ends[t] = round(x) + BIAS
-            env.ends[t + 1] = round(y) + BIAS
-            env.turns[k * LENGTHS + i] = round(turn * 1800 / pi)
+            t = (k * _LENGTHS + i) * 2
+            env.ends[t] = round(x) + _BIAS
+            env.ends[t + 1] = round(y) + _BIAS
+            env.turns[k * _LENGTHS + i] = round(turn * 1800 / pi)
 
 
 def end(env, k, length):

@@ -38,7 +38,7 @@ _HEADER = const(8)
 _MAX_POINTS = const(80)
 _MAX_LENGTH = const(253)  # L of a frame of 80 points
 
-_STORE = const(1024)
+_STORE = const(512)  # a chunk behind what may be left of a frame
 _CHUNK = const(256)
 
 _RULE_SUM = const(1)

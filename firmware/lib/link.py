@@ -1,6 +1,6 @@
 """The robot's link to people: says what it does, hears what they want, over USB and, if there are credentials, over WiFi.
 
-    link = start_link(config, settings, machine)       or Link(...), with the carriers handed in
+    link = link_start.start_link(config, settings, machine)       or Link(...), with the carriers handed in
     link.update(now_us, robot)        once a loop; never waits, at most one message a call and carrier
     link.frame(lidar)                 after each frame of the lidar
     link.state, link.af, link.ar, link.v    what is asked for: telemetry.STOPPED, AUTO, MANUAL; AF, AR (0.1 deg) and V count in MANUAL
@@ -12,19 +12,13 @@ robot has
 What is told again and again is dropped, and counted, when a carrier is too slow for it; what is told once waits for room.
 """
 
-import os
 from time import ticks_diff
 
 import telemetry
-from auth import SESSION
-from carriers import SerialLine
 from commands import Commands
-from health import FAULTS
 from micropython import const
-from reasons import REASONS
 from report import Report, ScanGatherer, parameters
 from telemetry import Encoder
-from version import VERSION
 
 # How often each message goes out. Together they keep within half of what the USB line carries, scans not counted.
 _WHEELS_US = const(50_000)
@@ -35,9 +29,6 @@ _CANDIDATES_US = const(250_000)
 _HELLO_US = const(1_000_000)
 _NAMES_HELLOS = const(8)
 _WAITING = const(6)  # replies and lines of the log kept until there is room
-
-KEY_FILE = "network.key"
-_BOOTS = {1: "power", 2: "reset", 3: "watchdog", 4: "sleep", 5: "restart"}  # machine.reset_cause() of the ESP32
 
 
 class Link:
@@ -214,7 +205,7 @@ class Link:
         """Compose the most urgent of the long messages; 0 when none is due."""
         report, commands = self._report, self._commands
         avoid = robot.avoid
-        if self._points_of != self._decisions and self._due(now_us, self._points_us, max(_POINTS_US, avoid.points_count * _POINT_US)):
+        if avoid.points_count >= 0 and self._points_of != self._decisions and self._due(now_us, self._points_us, max(_POINTS_US, avoid.points_count * _POINT_US)):
             self._points_us = now_us
             self._points_of = self._decisions
             return report.points(avoid, now_us)
@@ -248,47 +239,3 @@ class Link:
 
     def _due(self, now_us, last_us, period_us):
         return last_us is None or ticks_diff(now_us, last_us) >= period_us
-
-
-def start_link(config, settings, machine):
-    """Link over USB and, if robot.json names a network, over WiFi. Without it the radio is never touched.
-
-    machine: the module. Commands over WiFi need the file network.key; without it they are all refused.
-    """
-    carriers = [SerialLine()]
-    key = None
-    remarks = []
-    if config.wifi_ssid:
-        try:
-            import network
-            import socket
-
-            from radio import Datagrams, start_radio
-
-            carriers.append(Datagrams(start_radio(config, network), socket, config.wifi_port))
-        except (ImportError, OSError, RuntimeError, ValueError) as error:
-            # A robot without its radio still drives, stops and speaks over USB.
-            remarks.append("no WiFi: %s; look at wifi.ssid and wifi.password (8 characters or more) in robot.json" % error)
-        try:
-            with open(KEY_FILE, "rb") as file:
-                key = file.read()
-        except OSError:
-            remarks.append("no %s: commands over WiFi are refused; make deploy puts one on the board" % KEY_FILE)
-    board = machine.unique_id().hex()
-    identity = {
-        "firmware": VERSION,
-        "robot": "gapseeker-" + board[-4:],
-        "board": board,
-        "boot": _BOOTS.get(machine.reset_cause(), "unknown"),
-        "width": config.robot_width,
-        "length": config.robot_length,
-        "track": config.axles_track,
-        "spacings": list(config.axles_spacings),
-        "first": config.axles_first,
-        "full_speed": config.motors_full_speed,
-        "lidar": [config.lidar_x, config.lidar_y],
-    }
-    link = Link(config, settings, identity, {"reasons": REASONS, "faults": FAULTS}, carriers, os.urandom(SESSION), key)
-    for remark in remarks:
-        link.log(1, remark)
-    return link

@@ -2,23 +2,11 @@
 
 import json
 import struct
+from struct import calcsize
 
 import telemetry
 from config import key_of
 from telemetry import HEADER, TIME_MASK, copy
-
-_DECISION_SIZE = struct.calcsize(telemetry.DECISION_FORMAT)
-_WHEELS_SIZE = struct.calcsize(telemetry.WHEELS_FORMAT)
-_POINTS_SIZE = struct.calcsize(telemetry.POINTS_FORMAT)
-_POINTS_MOST = (telemetry.MAX_PAYLOAD - _POINTS_SIZE) // 5
-_SCAN_SIZE = struct.calcsize(telemetry.SCAN_FORMAT)
-_HEALTH_SIZE = struct.calcsize(telemetry.HEALTH_FORMAT)
-_POSE_SIZE = struct.calcsize(telemetry.POSE_FORMAT)
-_HELLO_SIZE = struct.calcsize(telemetry.HELLO_FORMAT)
-_CANDIDATES_SIZE = struct.calcsize(telemetry.CANDIDATES_FORMAT)
-_CANDIDATES_MOST = (telemetry.MAX_PAYLOAD - _CANDIDATES_SIZE) // 6
-_REPLY_SIZE = struct.calcsize(telemetry.REPLY_FORMAT)
-
 
 def parameters(config):
     """How many PARAMETERs there are: the live ones and the trims."""
@@ -33,13 +21,13 @@ class Report:
         self._encoder = encoder
         self._identity = json.dumps(identity).encode()
         self._names = json.dumps(names).encode()
-        if len(self._identity) + _HELLO_SIZE > encoder.room or len(self._names) > encoder.room:
+        if len(self._identity) + calcsize(telemetry.HELLO_FORMAT) > encoder.room or len(self._names) > encoder.room:
             raise ValueError("HELLO or NAMES does not fit a frame of %d bytes: shorten the robot's name or the texts of reasons.py" % encoder.room)
 
     def hello(self, session, counter):
         data = self._encoder.data
         struct.pack_into(telemetry.HELLO_FORMAT, data, HEADER, session, counter)
-        return self._text(telemetry.HELLO, _HELLO_SIZE, self._identity)
+        return self._text(telemetry.HELLO, calcsize(telemetry.HELLO_FORMAT), self._identity)
 
     def names(self):
         return self._text(telemetry.NAMES, 0, self._names)
@@ -47,7 +35,7 @@ class Report:
     def reply(self, counter, kind, status, text):
         """As in Commands.reply."""
         struct.pack_into(telemetry.REPLY_FORMAT, self._encoder.data, HEADER, counter, kind, status)
-        return self._text(telemetry.REPLY, _REPLY_SIZE, text)
+        return self._text(telemetry.REPLY, calcsize(telemetry.REPLY_FORMAT), text)
 
     def log(self, level, text):
         """text: bytes, UTF-8; what does not fit is cut off."""
@@ -60,7 +48,7 @@ class Report:
             telemetry.DECISION_FORMAT, self._encoder.data, HEADER, avoid.decisions, now_us & TIME_MASK, state, avoid.mode, avoid.af, avoid.ar,
             avoid.v, avoid.window, avoid.zone, avoid.free, avoid.block_x, avoid.block_y, avoid.why, took_us,
         )  # fmt: skip
-        return self._encoder.seal(telemetry.DECISION, _DECISION_SIZE)
+        return self._encoder.seal(telemetry.DECISION, calcsize(telemetry.DECISION_FORMAT))
 
     def wheels(self, drive, now_us):
         data = self._encoder.data
@@ -69,30 +57,30 @@ class Report:
         struct.pack_into(
             telemetry.WHEELS_FORMAT, data, HEADER, now_us & TIME_MASK, drive.af, drive.ar, drive.v256, steering.folded, count
         )
-        at = HEADER + _WHEELS_SIZE
+        at = HEADER + calcsize(telemetry.WHEELS_FORMAT)
         copy(steering.angles, 0, 2 * count, data, at)
         copy(steering.shares, 0, 2 * count, data, at + 2 * count)
-        return self._encoder.seal(telemetry.WHEELS, _WHEELS_SIZE + 4 * count)
+        return self._encoder.seal(telemetry.WHEELS, calcsize(telemetry.WHEELS_FORMAT) + 4 * count)
 
     def points(self, avoid, now_us):
         data = self._encoder.data
-        count = min(avoid.points_count, _POINTS_MOST)
+        count = min(avoid.points_count, (telemetry.MAX_PAYLOAD - calcsize(telemetry.POINTS_FORMAT)) // 5)
         struct.pack_into(telemetry.POINTS_FORMAT, data, HEADER, now_us & TIME_MASK, count)
-        at = HEADER + _POINTS_SIZE
+        at = HEADER + calcsize(telemetry.POINTS_FORMAT)
         copy(avoid.points_x, 0, 2 * count, data, at)
         copy(avoid.points_y, 0, 2 * count, data, at + 2 * count)
         copy(avoid.points_window, 0, count, data, at + 4 * count)
-        return self._encoder.seal(telemetry.POINTS, _POINTS_SIZE + 5 * count)
+        return self._encoder.seal(telemetry.POINTS, calcsize(telemetry.POINTS_FORMAT) + 5 * count)
 
     def pose(self, odometry, now_us):
         struct.pack_into(telemetry.POSE_FORMAT, self._encoder.data, HEADER, now_us & TIME_MASK, odometry.x, odometry.y, odometry.heading)
-        return self._encoder.seal(telemetry.POSE, _POSE_SIZE)
+        return self._encoder.seal(telemetry.POSE, calcsize(telemetry.POSE_FORMAT))
 
     def candidates(self, avoid, variant, now_us):
         """What the latest decision found of all steerings of one variant (bit 0 left, bit 1 backward)."""
         data = self._encoder.data
         envelopes = avoid.envelopes
-        count = min(envelopes.count, _CANDIDATES_MOST)
+        count = min(envelopes.count, (telemetry.MAX_PAYLOAD - calcsize(telemetry.CANDIDATES_FORMAT)) // 6)
         af, ar = avoid.af, avoid.ar
         if variant & 1:
             af, ar = -af, -ar
@@ -103,11 +91,11 @@ class Report:
             if envelopes.af[k] == af and envelopes.ar[k] == ar:
                 chosen = k
         struct.pack_into(telemetry.CANDIDATES_FORMAT, data, HEADER, now_us & TIME_MASK, variant, chosen, count)
-        at = HEADER + _CANDIDATES_SIZE
+        at = HEADER + calcsize(telemetry.CANDIDATES_FORMAT)
         copy(envelopes.af, 0, 2 * count, data, at)
         copy(envelopes.ar, 0, 2 * count, data, at + 2 * count)
         copy(avoid.free_of[variant], 0, 2 * count, data, at + 4 * count)
-        return self._encoder.seal(telemetry.CANDIDATES, _CANDIDATES_SIZE + 6 * count)
+        return self._encoder.seal(telemetry.CANDIDATES, calcsize(telemetry.CANDIDATES_FORMAT) + 6 * count)
 
     def health(self, health, lidar, dropped, refused, radio):
         flags = lidar.ok | health.chips << 1 | radio << 2
@@ -115,7 +103,7 @@ class Report:
             telemetry.HEALTH_FORMAT, self._encoder.data, HEADER, health.uptime_ms, health.heap_free, health.worst_us, health.battery_mv,
             lidar.speed20, flags, health.fault, lidar.frames, lidar.errors, lidar.speed_faults, dropped, refused,
         )  # fmt: skip
-        return self._encoder.seal(telemetry.HEALTH, _HEALTH_SIZE)
+        return self._encoder.seal(telemetry.HEALTH, calcsize(telemetry.HEALTH_FORMAT))
 
     def parameter(self, config, number):
         """PARAMETER for row `number` of config.live, or for a servo's trim behind these. Allocates."""
@@ -150,7 +138,7 @@ class ScanGatherer:
     def add(self, lidar):
         """Take in the frame the lidar has just delivered; what was ready and not taken gives way."""
         count = lidar.n
-        size = _SCAN_SIZE + 2 * count
+        size = calcsize(telemetry.SCAN_FORMAT) + 2 * count
         if self.ready:
             self._used = self._frames = 0
             self.ready = False
@@ -161,7 +149,7 @@ class ScanGatherer:
         struct.pack_into(
             telemetry.SCAN_FORMAT, data, at, lidar.frame_us & TIME_MASK, lidar.bearings[0], lidar.bearings[count - 1], count
         )
-        copy(lidar.distances, 0, 2 * count, data, at + _SCAN_SIZE)
+        copy(lidar.distances, 0, 2 * count, data, at + calcsize(telemetry.SCAN_FORMAT))
         self._used = at + size
         self._frames += 1
         # The next frame will be about as long as this one.

@@ -130,8 +130,7 @@ class ADC:
 class UART:
     """A serial port. Bytes arrive when the twin says so; a full receive buffer loses what comes."""
 
-    def __init__(self, id, baudrate=115200, bits=8, parity=None, stop=1, *, tx=-1, rx=-1, rxbuf=256, txbuf=256, timeout=0,
-                 timeout_char=0, invert=0, flow=0):
+    def __init__(self, id, baudrate=115200, tx=-1, rx=-1, rxbuf=256, **settings):
         self.baudrate = baudrate
         self._tx = _gpio(tx)
         self._size = max(rxbuf, 128)
@@ -194,7 +193,7 @@ class UART:
 class I2C:
     """The I2C bus. A transfer takes its time on the wire; an absent device raises OSError(19)."""
 
-    def __init__(self, id=0, *, scl=None, sda=None, freq=400000, timeout=50000):
+    def __init__(self, id=0, freq=400000, **settings):
         self._bit_ns = 1000000000 // freq
         self._register = bytearray(1)
         self._joined = bytearray(160)
@@ -218,7 +217,7 @@ class I2C:
         lockstep.note(lockstep.I2C_WRITE, address, count, buffer, count)
         return count
 
-    def writeto_mem(self, address, register, buffer, *, addrsize=8):
+    def writeto_mem(self, address, register, buffer):
         """Write to a register and those behind it."""
         count = len(buffer)
         if count >= len(self._joined):
@@ -233,13 +232,13 @@ class I2C:
         self._transfer(address, len(buffer))
         lockstep.read(address, buffer, len(buffer))
 
-    def readfrom_mem_into(self, address, register, buffer, *, addrsize=8):
+    def readfrom_mem_into(self, address, register, buffer):
         """Read a register and those behind it."""
         self._register[0] = register
         self.writeto(address, self._register)
         self.readfrom_into(address, buffer)
 
-    def readfrom_mem(self, address, register, count, *, addrsize=8):
+    def readfrom_mem(self, address, register, count):
         """Read a register and those behind it."""
         buffer = bytearray(count)
         self.readfrom_mem_into(address, register, buffer)
