@@ -23,9 +23,10 @@ from trig import cos14, sin14
 from windows import NO_ZONE, RED, Windows
 
 _POINTS = const(384)
-_NODES = const(10)
+_NODES = const(8)
 _NOTHING = const(65535)
 _NO_POINT = const(32767)
+_SLICE = const(2400)  # candidate tests in one slice
 _PATIENCE = const(5)  # times backing up on the same ground
 
 # Stages of a decision.
@@ -185,6 +186,8 @@ class Avoid:
         self._n = 0
         self._near = 0
         self._stage = _FIELD
+        self._next = 0  # of what a stage has cut into slices
+        self._swing = self.envelopes.half_width + self.envelopes.soft + self.envelopes.half_length // 2
         self._field_x = 0
         self._field_y = 0
         self._field_heading = 0
@@ -289,14 +292,24 @@ class Avoid:
         self._run(v, k, k + 1, 1, 0)
         return self.free_of[v][k]
 
-    def _run_all(self, variant):
-        """Sweep every candidate of one variant."""
+    def _run_some(self, variant):
+        """Sweep the next candidates of one variant, as many as a slice allows. True when all are done."""
         env = self.envelopes
-        if variant & 2:
-            self._run(variant, env.astern_first, env.arcs, 1, env.lengths[0])
-        else:
-            self._run(variant, 0, env.ahead_end, 1, env.lengths[0])
-        self._run(variant, env.arcs, env.count, 1, env.lengths[0])
+        first = self._next
+        if variant & 2 and first < env.astern_first:
+            first = env.astern_first
+        elif variant < 2 and env.ahead_end <= first < env.arcs:
+            first = env.arcs
+        last = first + _SLICE // (self._n + 16) + 1
+        if variant < 2 and first < env.ahead_end:
+            last = min(last, env.ahead_end)
+        last = min(last, env.count)
+        self._run(variant, first, last, 1, env.lengths[0])
+        self._next = last
+        if last < env.count:
+            return False
+        self._next = 0
+        return True
 
     def _run(self, variant, first, last, stride, floor):
         """Sweep candidates first..last-1 in one variant."""
@@ -306,7 +319,7 @@ class Avoid:
         if variant & 2:
             mirror(self._y, n)
         env = self.envelopes
-        left = drop_behind(self._x, self._y, self._near, n, env.half_length + env.soft)
+        left = drop_behind(self._x, self._y, self._near, n, env.half_length + env.soft, self._swing)
         self._sweep.run(self._x, self._y, left, self._near, first, last, stride, floor, self.free_of[variant],
                        self.soft_of[variant], self.block_of[variant])
         if variant & 1:
@@ -383,11 +396,12 @@ class Avoid:
             if self._plan and self._follow(odometry):
                 return self._publish()
             self._stage = _RIGHT
+            self._next = 0
             return False
         env = self.envelopes
         if stage == _RIGHT or stage == _LEFT:
-            self._run_all(stage - _RIGHT)
-            self._stage = stage + 1
+            if self._run_some(stage - _RIGHT):
+                self._stage = stage + 1
             return False
         if stage == _CHOOSE:
             self._grid(odometry, 0, 0, 0)
@@ -398,11 +412,18 @@ class Avoid:
                 self._decided_travel = odometry.travel256
                 self._decided_frame = self._ready
                 return self._publish()
+            # This takes longer. With little way left the robot stands meanwhile.
             self._stage = _BACK_RIGHT
+            if self.v != 90 and self.free < env.lengths[2]:
+                self.v = 90
+                self.why = reasons.LOOKING
+                self._plan = 0
+                self._tell()
+                return True
             return False
         if stage == _BACK_RIGHT or stage == _BACK_LEFT:
-            self._run_all(stage - _BACK_RIGHT + 2)
-            self._stage = stage + 1
+            if self._run_some(stage - _BACK_RIGHT + 2):
+                self._stage = stage + 1
             return False
         if stage == _NODE_PICK:
             self._grid(odometry, 0, 0, 0)
@@ -412,10 +433,10 @@ class Avoid:
             self._stage = _EXPAND if self._nodes else _SETTLE
             return False
         if stage == _EXPAND:
-            self._expand(odometry)
-            self._node += 1
-            if self._node >= self._nodes:
-                self._stage = _SETTLE
+            if self._expand(odometry):
+                self._node += 1
+                if self._node >= self._nodes:
+                    self._stage = _SETTLE
             return False
         self._stage = _IDLE
         self._travel256 = odometry.travel256
@@ -521,9 +542,9 @@ class Avoid:
         self._best_node = 0
 
     def _expand(self, odometry):
-        """Second moves from where a node ends."""
-        self.points_count = -1  # for now there are none for others
+        """Second moves from where a node ends, in four slices: arcs and strips, right and left. True after the last."""
         env = self.envelopes
+        part = self._next
         v = self._node_variant[self._node]
         at = self._node_at[self._node]
         k = at // LENGTHS
@@ -536,10 +557,14 @@ class Avoid:
         if v & 2:
             y = -y
             turn = -turn
-        n = move(self._x, self._y, self._n, x, y, sin14(turn), cos14(turn), self.look_ahead + env.half_length, self._nx, self._ny)
+        self.points_count = -1  # for now there are none for others
+        n = move(self._x, self._y, self._n, x, y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, self._nx, self._ny)
         near = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.soft + BAND_MM)
+        second = part >> 1
+        if second:
+            mirror(self._nx, n)
+        n = drop_behind(self._nx, self._ny, near, n, env.half_length + env.soft, self._swing)
         self._grid(odometry, x, y, turn)
-        first_af = self.af
         a = env.af[k]
         r = env.ar[k]
         if v == 1:
@@ -551,27 +576,22 @@ class Avoid:
         # The second move's score replaces the cost of the pose where the first ends.
         job = self._ends_job
         base = self._node_score[self._node] - self.field.at(job[0] + self.field.corner_x, job[1] + self.field.corner_y, job[10])
-        for second in (0, 1):
-            if second:
-                mirror(self._nx, n)
-            else:
-                n = drop_behind(self._nx, self._ny, near, n, env.half_length + env.soft)
-            self._sweep.run(self._nx, self._ny, n, near, 0, env.ahead_end, 2, env.lengths[1], self._free2, self._soft2, self._block2)
-            self._sweep.run(self._nx, self._ny, n, near, env.arcs, env.count, 1, env.lengths[1], self._free2, self._soft2, self._block2)
-            self._worth(second, self._free2, self._soft2, self._score2, 0, env.ahead_end, 2, a, r, 60)
-            self._worth(second, self._free2, self._soft2, self._score2, env.arcs, env.count, 1, a, r, 60)
-            b = _best(self._score2, 0, env.ahead_end, 2)
-            c = _best(self._score2, env.arcs, env.count, 1)
-            if c != _NOTHING and (b == _NOTHING or self._score2[c] < self._score2[b]):
-                b = c
-            if b != _NOTHING:
-                value = base + self._score2[b]
-                if value < self._best_value:
-                    self._best_value = value
-                    self._best_node = self._node
-                    self._second_variant = second
-                    self._second_k = b // LENGTHS
-                    self._second_length = env.lengths[b % LENGTHS]
+        first = env.arcs if part & 1 else 0
+        last = env.count if part & 1 else env.ahead_end
+        stride = 1 if part & 1 else 2
+        self._sweep.run(self._nx, self._ny, n, near, first, last, stride, env.lengths[1], self._free2, self._soft2, self._block2)
+        self._worth(second, self._free2, self._soft2, self._score2, first, last, stride, a, r, 60)
+        b = _best(self._score2, first, last, stride)
+        if b != _NOTHING:
+            value = base + self._score2[b]
+            if value < self._best_value:
+                self._best_value = value
+                self._best_node = self._node
+                self._second_variant = second
+                self._second_k = b // LENGTHS
+                self._second_length = env.lengths[b % LENGTHS]
+        self._next = (part + 1) & 3
+        return part == 3
 
     def _settle(self, odometry):
         """Drive the best pair of moves, or the least bad single one, or stand."""

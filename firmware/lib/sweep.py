@@ -74,16 +74,18 @@ def sort_near(px: ptr16, py: ptr16, n: int, half_width: int, half_length: int, b
 
 
 @micropython.viper
-def drop_behind(px: ptr16, py: ptr16, near: int, n: int, limit: int) -> int:
-    """Bring the points more than limit mm behind the centre to the end; returns how many are left before them.
+def drop_behind(px: ptr16, py: ptr16, near: int, n: int, limit: int, left: int) -> int:
+    """Bring the points more than limit mm behind the centre, or left mm to its left, to the end; returns how many remain before them.
 
-    On a forward candidate every part of the body moves forward, so nothing behind its rear can be met.
+    On a forward candidate every part of the body moves forward, so nothing behind its rear can be met; and on one that turns
+    right the tail swings out to the left by less than a quarter of the body's length.
     """
     low = 8192 - limit
+    side = 8192 - left
     i = near
     while i < n:
         y = py[i]
-        if y < low:
+        if y < low or px[i] < side:
             n -= 1
             py[i] = py[n]
             py[n] = y
