@@ -38,10 +38,10 @@ def pass_rate(rates, path):
         ys = [100 * widths[x][0] / widths[x][1] for x in xs]
         axes.plot(xs, ys, "o-", color=colour, label=label, alpha=0.9, linewidth=2.4 if planner == plan.AWS else 1.6, markersize=5, clip_on=False, zorder=5)
     axes.axvline(LIMIT_MM, color=_GREY, linewidth=1, linestyle=":")
-    axes.text(LIMIT_MM + 4, 50, "no motion passes\nbelow 388.9 mm", fontsize=8, color=_GREY, va="center")
+    axes.text(LIMIT_MM - 4, 50, f"no motion\npasses below\n{LIMIT_MM} mm", fontsize=8, color=_GREY, va="center", ha="right")
     axes.axvline(600, color=_GREY, linewidth=1, linestyle=":")
     axes.text(604, 50, "body length", fontsize=8, color=_GREY, va="center")
-    axes.set(xlabel="width of the Z passage, mm", ylabel="passed without touching, %", ylim=(-1, 101), xlim=(380, max(max(w) for w in rates.values()) + 10))
+    axes.set(xlabel="width of the Z passage, mm", ylabel="passed without touching, %", ylim=(-1, 101), xlim=(325, max(max(w) for w in rates.values()) + 10))
     axes.grid(axis="y", color="#eeeeee")
     _bare(axes)
     figure.legend(loc="outside upper center", ncols=3, fontsize=8, frameon=False)
@@ -171,5 +171,5 @@ def _bare(axes):
 
 def _save(figure, path):
     Path(path).parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110, metadata={"Software": None})
+    figure.savefig(path, dpi=110, bbox_inches="tight", pad_inches=0.12, metadata={"Software": None})
     pyplot.close(figure)

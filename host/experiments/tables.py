@@ -30,13 +30,14 @@ def counts(entries):
 
 
 def rates(done):
-    """{planner: {width: (passed without touching, runs)}} of the runs of the Z course."""
+    """{planner: {width: (passed without touching, runs)}} of the Z course, at the widths driven with all seeds."""
     out = {}
     for run, entry in done.items():
         if run.course == "Z" and not run.timed:
             passed, runs = out.setdefault(run.planner, {}).get(run.width, (0, 0))
             out[run.planner][run.width] = passed + (entry["result"] == "pass"), runs + 1
-    return out
+    most = {planner: max(runs for _, runs in widths.values()) for planner, widths in out.items()}
+    return {planner: {width: found for width, found in widths.items() if found[1] == most[planner]} for planner, widths in out.items()}
 
 
 def table_3(done):
@@ -58,6 +59,20 @@ def rate_table(found):
     widths = sorted({width for planner in found.values() for width in planner}, reverse=True)
     rows = [[planner, *("{}/{}".format(*found[planner][width]) if width in found[planner] else "" for width in widths)] for planner in found]
     return markdown(["planner", *(f"{width:g}" for width in widths)], rows)
+
+
+def last_axle_note(done):
+    """What has to be said if the firmware turned the last axle though it was to be held straight."""
+    runs = [entry for run, entry in done.items() if run.planner == plan.NAWS and run.shown]
+    turned = [entry for entry in runs if any(row[2] for row in entry["log"])]
+    if not turned:
+        return "In no shown NAWS run the last axle was turned."
+    driven = [row for entry in turned for row in entry["log"] if row[2]]
+    backing = sum(row[3] < 90 for row in driven)
+    return (
+        f"Mind: in {len(turned)} of {len(runs)} shown NAWS runs the firmware turned the last axle (AR not 0) in {len(driven)} decisions, "
+        f"{backing} of them backing; these runs are kinder than the paper's NAWS."
+    )
 
 
 def run_table(done, course):
