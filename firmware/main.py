@@ -1,5 +1,6 @@
 """The robot. Reads robot.json, builds the parts and runs the loop; everything else is in lib/."""
 
+import gc
 import sys
 from time import sleep_ms
 
@@ -8,6 +9,9 @@ sys.path.append("/lib")
 import machine
 
 import config as configuration
+
+# What the start leaves behind is cleared away at once, or it would lie between the things that stay and cut the heap to pieces.
+gc.threshold(2048)
 
 # In doubt the robot stands still: nothing moves before everything has been built, and the reason goes out on the USB line.
 try:
@@ -67,6 +71,7 @@ except OSError as error:
     raise
 del build, start_link  # their room is the robot's from now on
 forget("link_start", "version")
+gc.threshold(-1)
 
 try:
     while True:

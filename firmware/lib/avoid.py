@@ -208,6 +208,9 @@ class Avoid:
         self._second_k = 0
         self._second_variant = 0
         self._second_length = 0
+        self._best_value = 65535
+        self._best_node = 0
+        self._limit = 0
         self._ready = 0
         self._watched = 0
         self._urgent = 0
@@ -477,7 +480,6 @@ class Avoid:
         value_a = score0[a] if a != _NOTHING else 65535
         value_b = score1[b] if b != _NOTHING else 65535
         here = self._here(odometry)
-        self._here_now = here
         variant = 0
         if value_b < value_a or (value_a == value_b and self._variant == 1):
             variant = 1

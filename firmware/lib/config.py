@@ -4,8 +4,6 @@ import json
 
 from once import forget
 
-_TRIMS = "servos.trims."
-_UNIT_SUFFIXES = ("", "20", "1000")  # those of schema.SCALES
 
 # Attributes of which the first must not exceed the second
 _ORDER = (("windows_red", "windows_blue"), ("avoid_margin", "avoid_soft_margin"), ("battery_empty", "battery_low"))
@@ -52,7 +50,7 @@ class Config:
 
     def get(self, key):
         """The value of a key, as its attribute holds it. ConfigError if there is no such key."""
-        for unit in _UNIT_SUFFIXES:
+        for unit in ("", "20", "1000"):  # those of schema.SCALES
             name = attribute(key) + unit
             if hasattr(self, name):
                 return getattr(self, name)
@@ -63,7 +61,7 @@ class Config:
 
         ConfigError, and nothing changed, if it is neither or the value is not allowed.
         """
-        if key.startswith(_TRIMS):
+        if key.startswith("servos.trims."):
             self._trim(key, value)
             return
         index = self._index(key)
@@ -89,7 +87,7 @@ class Config:
         return True
 
     def _trim(self, key, value):
-        wheels = ["%s%d" % (_TRIMS, k) for k in range(2 * self.axles)]
+        wheels = ["servos.trims.%d" % k for k in range(2 * self.axles)]
         if key not in wheels:
             refuse(key, value, "the wheels are %s .. %s" % (wheels[0], wheels[-1]))
         self.servos_trims[wheels.index(key)] = number(key, value, -20, 20, "deg", 10, False)

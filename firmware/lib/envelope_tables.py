@@ -27,10 +27,6 @@ _TURN_MM = const(9)
 _REF = const(10)
 _SECOND = const(11)  # of its bins with a second entry: place in `seconds` << 10 | first << 5 | how many
 
-RIGHT_ANGLES = (0, 6, 12, 20, 28, 37, 47, 60)
-SAME_PHASE = ((25, 10), (45, 25), (45, 10), (-10, -25), (-25, -45), (-10, -45))
-STRIPS = (0, 6, 12, 20, 32, 50, 70, 90)
-FRONT_ONLY = (3, 6, 9, 12, 15, 18, 21, 25, 29, 33, 37, 41, 45, 50, 55, 60)
 
 
 def fill(env, config):
@@ -44,7 +40,7 @@ def fill(env, config):
     env.first_axle = config.axles_first
     env.half_track = config.axles_track / 2
     pairs = _pairs(env, config.mode == "AWS")
-    strips = STRIPS if config.mode == "AWS" else (0,)
+    strips = (0, 6, 12, 20, 32, 50, 70, 90) if config.mode == "AWS" else (0,)
     env.arcs = len(pairs)
     # A last axle that stays straight is the first one of the mirror in which backward moves are tabulated.
     all_wheels = config.mode == "AWS"
@@ -71,13 +67,15 @@ def fill(env, config):
 def _pairs(env, all_wheels):
     """(AF, AR) of the arcs, degrees."""
     if not all_wheels:
-        return [(front, 0) for front in FRONT_ONLY] + [(0, -front) for front in FRONT_ONLY]
+        angles = (3, 6, 9, 12, 15, 18, 21, 25, 29, 33, 37, 41, 45, 50, 55, 60)
+        return [(front, 0) for front in angles] + [(0, -rear) for rear in angles]
+    angles = (0, 6, 12, 20, 28, 37, 47, 60)
     pairs = []
-    for i, front in enumerate(RIGHT_ANGLES):
-        for j, rear in enumerate(RIGHT_ANGLES):
+    for i, front in enumerate(angles):
+        for j, rear in enumerate(angles):
             if (i or j) and (j == 0 or -4 <= i - j <= 4) and _beside(env, front, -rear):
                 pairs.append((front, -rear))
-    pairs.extend(SAME_PHASE)
+    pairs.extend(((25, 10), (45, 25), (45, 10), (-10, -25), (-25, -45), (-10, -45)))
     return pairs
 
 

@@ -10,8 +10,6 @@ from reasons import REASONS
 from version import VERSION
 
 _SESSION = const(8)  # auth.SESSION; that module is loaded only where there is a key
-_KEY_FILE = "network.key"
-_BOOTS = {1: "power", 2: "reset", 3: "watchdog", 4: "sleep", 5: "restart"}  # machine.reset_cause() of the ESP32
 
 
 def start_link(config, settings, machine):
@@ -34,16 +32,16 @@ def start_link(config, settings, machine):
             # A robot without its radio still drives, stops and speaks over USB.
             remarks.append("no WiFi: %s; look at wifi.ssid and wifi.password (8 characters or more) in robot.json" % error)
         try:
-            with open(_KEY_FILE, "rb") as file:
+            with open("network.key", "rb") as file:
                 key = file.read()
         except OSError:
-            remarks.append("no %s: commands over WiFi are refused; make deploy puts one on the board" % _KEY_FILE)
+            remarks.append("no network.key: commands over WiFi are refused; make deploy puts one on the board")
     board = machine.unique_id().hex()
     identity = {
         "firmware": VERSION,
         "robot": "gapseeker-" + board[-4:],
         "board": board,
-        "boot": _BOOTS.get(machine.reset_cause(), "unknown"),
+        "boot": {1: "power", 2: "reset", 3: "watchdog", 4: "sleep", 5: "restart"}.get(machine.reset_cause(), "unknown"),
         "width": config.robot_width,
         "length": config.robot_length,
         "track": config.axles_track,

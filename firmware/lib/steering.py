@@ -18,13 +18,13 @@ from trig import SIN, polar
 _RIGHT = const(900)  # 90 deg
 _HALF_TURN = const(1800)
 
-ADVERSE = const(1)  # AF and AR of opposite sign
-FIRST_STRAIGHT = const(2)  # AF = 0
-LAST_STRAIGHT = const(3)  # AR = 0
-SPIN = const(4)  # AF = 90, AR = -90: clockwise; AF = -90, AR = 90: the other way
-LATERAL = const(5)  # AF = AR: a crab at that angle, sideways at 90
-SAME_PHASE = const(6)  # AF and AR of the same sign, not equal
-STRAIGHT = const(7)  # AF = AR = 0
+_ADVERSE = const(1)  # AF and AR of opposite sign
+_FIRST_STRAIGHT = const(2)  # AF = 0
+_LAST_STRAIGHT = const(3)  # AR = 0
+_SPIN = const(4)  # AF = 90, AR = -90: clockwise; AF = -90, AR = 90: the other way
+_LATERAL = const(5)  # AF = AR: a crab at that angle, sideways at 90
+_SAME_PHASE = const(6)  # AF and AR of the same sign, not equal
+_STRAIGHT = const(7)  # AF = AR = 0
 
 # Lengths over S are held in 2**-23 and stay below 8, so that a product with a component below 2**24 splits into halves of 13 bits.
 _LARGEST_RATIO = const(8)
@@ -186,7 +186,7 @@ class Steering:
     angles      array('h', 2n): wheel angles, 0.1 deg, -900 .. 900
     shares      array('h', 2n): signed speed * 16384; the fastest wheel has 16384 (or -16384), a folded one is negative
     folded      bit k set: the direction of motion of wheel k lies beyond 90 deg; it is turned by 180 deg and runs in reverse
-    mode        1 .. 7: ADVERSE, FIRST_STRAIGHT, LAST_STRAIGHT, SPIN, LATERAL, SAME_PHASE, STRAIGHT
+    mode        1 .. 7: adverse phase, first axle straight, last axle straight, spin, lateral (a crab), same phase, straight
     vx, vy      velocity of the body's centre * 16384, when the fastest wheel moves at 1
     w           angular rate clockwise * S/2, * 16384, likewise
     af, ar      what was solved last
@@ -250,13 +250,13 @@ def _ratio(length, span):
 def mode_of(af, ar):
     """The steering mode, 1 .. 7, of AF and AR in 0.1 deg."""
     if af == ar:
-        return LATERAL if af else STRAIGHT
+        return _LATERAL if af else _STRAIGHT
     if af == 0:
-        return FIRST_STRAIGHT
+        return _FIRST_STRAIGHT
     if ar == 0:
-        return LAST_STRAIGHT
+        return _LAST_STRAIGHT
     if af == -ar and (af == _RIGHT or ar == _RIGHT):
-        return SPIN
+        return _SPIN
     if (af > 0) == (ar > 0):
-        return SAME_PHASE
-    return ADVERSE
+        return _SAME_PHASE
+    return _ADVERSE

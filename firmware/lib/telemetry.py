@@ -64,7 +64,7 @@ from crc16 import crc16
 VERSION = 1
 SYNC = b"\xf7\xf6"
 HEADER = const(8)
-CHECK = const(2)
+_CHECK = const(2)
 MAX_PAYLOAD = const(1390)
 MAX_FRAME = const(1400)
 _FILLING = const(32)  # datagrams come in multiples of this size, so that the views of the buffer can be made beforehand
@@ -139,7 +139,7 @@ class Encoder:
         self.data[0] = SYNC[0]
         self.data[1] = SYNC[1]
         self.data[2] = VERSION
-        self.room = size - HEADER - CHECK  # bytes of payload
+        self.room = size - HEADER - _CHECK  # bytes of payload
         self._sequence = 0
 
     def seal(self, kind, length):
@@ -150,7 +150,7 @@ class Encoder:
         check = crc16(data, 2, end)
         data[end] = check & 255
         data[end + 1] = check >> 8
-        return end + CHECK
+        return end + _CHECK
 
     def datagram(self, size):
         """A view of the sealed frame of `size` bytes, filled up with zeros; made beforehand, as a slice would allocate."""
@@ -188,7 +188,7 @@ class Decoder:
 
     def __init__(self, max_payload=MAX_PAYLOAD, stray=None):
         self._largest = max_payload
-        self.data = bytearray(2 * (max_payload + HEADER + CHECK))
+        self.data = bytearray(2 * (max_payload + HEADER + _CHECK))
         self.kind = self.sequence = self.start = self.end = 0
         self.errors = 0
         self._stray = stray
@@ -232,7 +232,7 @@ class Decoder:
                 self._drop()
                 continue
             end = head + HEADER + length
-            if end + CHECK > self._tail:
+            if end + _CHECK > self._tail:
                 return False
             if crc16(data, head + 2, end) != data[end] | data[end + 1] << 8:
                 self.errors += 1
@@ -242,7 +242,7 @@ class Decoder:
             self.sequence = data[head + 4] | data[head + 5] << 8
             self.start = head + HEADER
             self.end = end
-            self._head = end + CHECK
+            self._head = end + _CHECK
             return True
         return False
 

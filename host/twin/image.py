@@ -73,7 +73,8 @@ def _compile(sources, folder):
     for path, target in sources:
         output = work / target.with_suffix(".mpy")
         output.parent.mkdir(parents=True, exist_ok=True)
-        command = [compiler, f"-march={architecture}", "-s", str(path.relative_to(path.parents[1])), "-o", str(output), str(path)]
+        # Tracebacks name the module, not its path: that name is in the heap already, and paths of all modules would take 2 kB more.
+        command = [compiler, f"-march={architecture}", "-s", path.stem, "-o", str(output), str(path)]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
             shutil.rmtree(work)

@@ -3,7 +3,7 @@
 from array import array
 from math import atan2, cos, degrees, radians, sin, sqrt, tan
 
-from steering import ADVERSE, FIRST_STRAIGHT, LAST_STRAIGHT, LATERAL, SAME_PHASE, SPIN, STRAIGHT, Steering
+from steering import Steering
 
 SPACINGS = (115, 150, 117, 115)
 TRACK = 230
@@ -14,6 +14,8 @@ ROBOTS = (
     ((200, 100), 150),
     ((100, 110, 120, 130, 140, 150, 160), 400),
 )
+
+ADVERSE, FIRST_STRAIGHT, LAST_STRAIGHT, SPIN, LATERAL, SAME_PHASE, STRAIGHT = range(1, 8)
 
 
 def _wheels(spacings, track):

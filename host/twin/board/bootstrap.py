@@ -5,8 +5,10 @@
 in a folder that holds what the board does (main, lib/) and, in board/, lockstep, machine and time.
 """
 
+import gc
 import sys
 
+gc.threshold(2048)  # as main.py: what the start leaves behind must not cut the heap to pieces
 sys.path[:] = ["", "board", "lib"]
 
 import lockstep

@@ -55,8 +55,6 @@ _FIRST_CHUNK = const(6)
 _CHUNK = const(4)
 _BITS = const(10)  # of a byte on the wire
 
-_MICROPYTHON = sys.implementation.name == "micropython"
-
 now = 0  # us since the board started
 watchdog_at = 0  # time at which the watchdog bites; 0 = none
 overflows = 0
@@ -85,11 +83,11 @@ def copy(target: ptr8, at: int, source: ptr8, start: int, count: int):
         i += 1
 
 
-def connect(read_descriptor, write_descriptor):
+def connect(source, sink):
     """Open the two pipes to the twin and learn the state of the inputs."""
     global _from_twin, _to_twin
-    _from_twin = open(read_descriptor, "rb")
-    _to_twin = open(write_descriptor, "wb")
+    _from_twin = open(source, "rb")
+    _to_twin = open(sink, "wb")
     _exchange(_FLUSH, 0, 0, 0)
 
 
@@ -236,7 +234,7 @@ def _probe():
     )
 
 
-if _MICROPYTHON:
+if sys.implementation.name == "micropython":
 
     def _send(count):
         _to_twin.write(_request, count)

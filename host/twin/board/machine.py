@@ -37,9 +37,7 @@ class Pin:
 
     IN = const(1)
     OUT = const(3)
-    OPEN_DRAIN = const(7)
     PULL_UP = const(2)
-    PULL_DOWN = const(1)
 
     def __init__(self, gpio, mode=-1, pull=-1, *, value=None):
         self.gpio = gpio
@@ -50,7 +48,7 @@ class Pin:
     def init(self, mode=-1, pull=-1, *, value=None):
         """Set the direction and, for an output, the first level."""
         if mode != -1:
-            self._output = mode in (Pin.OUT, Pin.OPEN_DRAIN)
+            self._output = mode == Pin.OUT
         if value is not None:
             self.value(value)
 
