@@ -77,7 +77,7 @@ def samples(log, modelled):
                     taken, seen = pending
                     # The burst begins where the computing ends; until then the servo period may have to be waited for.
                     out.reaction.append(taken + command + us + (now - extra - seen if modelled else 0))
-                    pending = None
+            pending = None  # nothing to write: the motors were off already
             command = 0.0
         elif kind == POINTS:
             out.points.append((value, extra))

@@ -61,7 +61,8 @@ class Watch:
         log.write(PLACE, value, 0)
 
     def after_guard(self, value, out, waited):
-        log.write(GUARD, value, 1 if out is True else 0)
+        # A robot that stands already has nothing to answer with.
+        log.write(GUARD, value, 1 if out is True and self.robot.drive.v256 else 0)
 
     def after_work(self, value, out, waited):
         log.write(WORK, value, 1 if out else 0)
