@@ -26,7 +26,7 @@ _POINTS = const(384)
 _NODES = const(8)
 _NOTHING = const(65535)
 _NO_POINT = const(32767)
-_SLICE = const(2400)  # candidate tests in one slice
+_SLICE = const(1900)  # candidate tests in one slice
 _PATIENCE = const(5)  # times backing up on the same ground
 
 # Stages of a decision.
@@ -429,11 +429,15 @@ class Avoid:
                 self._stage = stage + 1
             return False
         if stage == _NODE_PICK:
-            self._grid(odometry, 0, 0, 0)
-            for v in (0, 1, 2, 3):
+            v = self._next
+            if v < 4:
+                self._grid(odometry, 0, 0, 0)
                 self._worth(v, self.free_of[v], self.soft_of[v], self._score[v], 0, env.count, 1, self.af, self.ar, 150 if v & 2 else 0)
-            self._pick_nodes()
-            self._stage = _EXPAND if self._nodes else _SETTLE
+                self._next = v + 1
+            else:
+                self._pick_nodes()
+                self._next = 0
+                self._stage = _EXPAND if self._nodes else _SETTLE
             return False
         if stage == _EXPAND:
             if self._expand(odometry):

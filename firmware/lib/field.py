@@ -21,6 +21,8 @@ from micropython import const
 
 from once import forget
 
+_POINTS = const(40)  # closed in one slice
+_POSES = const(700)  # spread in one slice
 _N = const(30)
 _TURNS = const(12)
 _PLACES = const(900)
@@ -168,29 +170,40 @@ def _close(closed: ptr32, tight: ptr32, seen: ptr32, fx: ptr16, fy: ptr16, first
 
 @micropython.viper
 def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32):
-    """Open poses on the rim are exits; those in the direction (ux, uy) * 2**10 are the cheapest."""
+    """Open poses on the rim are exits; those in the direction (ux, uy) * 2**10 are the cheapest.
+
+    The rim is the last row and column but one: the outermost are closed, which spares _spread() to look where the grid ends.
+    """
     tail = 0
+    t = 0
+    while t < 360:
+        rows[t] = rows[t] | 0x20000001
+        t += 30
+        rows[t - 30] = 0x3FFFFFFF
+        rows[t - 1] = 0x3FFFFFFF
+        i = t - 29
+        while i < t - 1:
+            rows[i] = rows[i] | 0x20000001
+            i += 1
     t = 0
     while t < 12:
         side = 0
         while side < 4:
-            i = 0
-            while i < 30:
+            i = 1
+            while i < 29:
+                x = i
+                y = i
                 if side == 0:
-                    x = i
-                    y = 0
+                    y = 1
                 elif side == 1:
-                    x = i
-                    y = 29
+                    y = 28
                 elif side == 2:
-                    x = 0
-                    y = i
+                    x = 1
                 else:
-                    x = 29
-                    y = i
+                    x = 28
                 at = (t * 30 + y) * 30 + x
                 if ((rows[t * 30 + y] >> x) & 1) == 0 and cost[at] == 32767:
-                    # 15 cells ahead least, behind 3 times the way there more
+                    # 14 cells ahead least, behind 3 times the way there more
                     c = ((23 << 10) - (x - 15) * ux - (y - 15) * uy) * 24 >> 10
                     if c < 0:
                         c = 0
@@ -245,47 +258,76 @@ def _spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, 
                 here = cost[at] & 0x7FFF
             head = (head + 1) & 2047
             cost[at] = here
-            t = at // 900
-            place = at - t * 900
-            j = place // 30
-            i = place - j * 30
-            w = weight[place]
-            base = t * 30
-            d = 0
-            while d < 10:
-                to = 0 - 1
-                c = 0
-                if d < 8:
-                    ii = i
-                    jj = j
-                    if d < 3:
-                        jj = j + 1
-                    elif d > 4:
-                        jj = j - 1
-                    if d == 0 or d == 3 or d == 5:
-                        ii = i - 1
-                    elif d == 2 or d == 4 or d == 7:
-                        ii = i + 1
-                    if ii >= 0 and jj >= 0 and ii < 30 and jj < 30:
-                        if ((rows[base + jj] >> ii) & 1) == 0:
-                            to = (base + jj) * 30 + ii
-                            c = (steps[t * 8 + d] * w) >> 1
-                            if (tight[base + jj] >> ii) & 1:
-                                c += 3 * c
+            row = at // 30
+            i = at - row * 30 - 1
+            t = row // 30
+            w = weight[at - t * 900]
+            step = t * 8
+            # Neighbours row by row; the costs of opposite ways are the same, so they serve in either order.
+            to = at - 31
+            row -= 1
+            r = 0
+            while r < 3:
+                m = (rows[row] >> i) & 7
+                if r == 1:
+                    m = m | 2
+                if m != 7:
+                    dear = (tight[row] >> i) & 7
+                    d = 0
+                    while d < 3:
+                        if m & 1 == 0:
+                            c = steps[step] * w >> 1
+                            if dear & 1:
+                                c = c << 2
                             c += here
+                            old = cost[to]
+                            if c < (old & 0x7FFF):
+                                if old & 0x8000:
+                                    cost[to] = c | 0x8000
+                                else:
+                                    following = (tail + 1) & 2047
+                                    if following != head:
+                                        cost[to] = c | 0x8000
+                                        if c <= limit:
+                                            head = (head - 1) & 2047
+                                            queue[head] = to
+                                        else:
+                                            queue[tail] = to
+                                            tail = following
+                        if r != 1 or d != 1:
+                            step += 1
+                        m = m >> 1
+                        dear = dear >> 1
+                        to += 1
+                        d += 1
+                    to += 27
                 else:
-                    tt = t + 1
-                    if d == 9:
-                        tt = t + 11
-                    if tt >= 12:
-                        tt -= 12
-                    if ((rows[tt * 30 + j] >> i) & 1) == 0:
-                        to = tt * 900 + place
-                        c = turn_cost
-                        if (tight[tt * 30 + j] >> i) & 1:
-                            c += 3 * turn_cost
-                        c += here
-                if to >= 0:
+                    to += 30
+                    step += 3
+                    if r == 1:
+                        step -= 1
+                row += 1
+                r += 1
+            # The two next orientations.
+            i += 1
+            r = 0
+            while r < 2:
+                to = at + 900
+                row = row - 2 + 30
+                if r:
+                    to = at - 900
+                    row = at // 30 - 30
+                if to >= 10800:
+                    to -= 10800
+                    row -= 360
+                elif to < 0:
+                    to += 10800
+                    row += 360
+                if (rows[row] >> i) & 1 == 0:
+                    c = turn_cost
+                    if (tight[row] >> i) & 1:
+                        c = c << 2
+                    c += here
                     old = cost[to]
                     if c < (old & 0x7FFF):
                         if old & 0x8000:
@@ -300,7 +342,7 @@ def _spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, 
                                 else:
                                     queue[tail] = to
                                     tail = following
-                d += 1
+                r += 1
             budget -= 1
     state[0] = head
     state[1] = tail
@@ -314,11 +356,11 @@ def _sample(cost: ptr16, x: int, y: int, heading: int, cell: int) -> int:
     half = cell >> 1
     x -= half
     y -= half
-    limit = cell * 29 - 1
-    if x < 0:
-        x = 0
-    if y < 0:
-        y = 0
+    limit = cell * 28 - 1
+    if x < cell:
+        x = cell
+    if y < cell:
+        y = cell
     if x > limit:
         x = limit
     if y > limit:
@@ -478,21 +520,23 @@ class Field:
             self._next_x = ((odometry.x >> 5) - half) & 0xFFFF
             self._next_y = ((odometry.y >> 5) - half) & 0xFFFF
             _clear(self.cost, self._closed, self._tight, self._queue, self._weight)
-            self._mark_trail()
-            self._k = 0
             self._stage = 1
         elif stage == 1:
-            last = self._k + 70
+            self._mark_trail()
+            self._k = 0
+            self._stage = 2
+        elif stage == 2:
+            last = self._k + _POINTS
             if last > points.count:
                 last = points.count
             _close(self._closed, self._tight, self._queue, points._fx, points._fy, self._k, last, self._next_x, self._next_y, self._shape, self.cell)
             self._k = last
             if last >= points.count:
                 _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state)
-                self._stage = 2
-        elif stage == 2:
-            if _spread(self.cost, self._closed, self._tight, self._weight, self._queue, self._steps, self._state, 1600):
                 self._stage = 3
+        elif stage == 3:
+            if _spread(self.cost, self._closed, self._tight, self._weight, self._queue, self._steps, self._state, _POSES):
+                self._stage = 4
         else:
             self.corner_x = self._next_x
             self.corner_y = self._next_y
