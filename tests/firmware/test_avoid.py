@@ -1,0 +1,62 @@
+"""avoid.py: what is decided for points one puts there."""
+
+import reasons
+from avoid import Avoid
+from config import Config
+from rooms import Still
+
+_config = Config()
+
+
+def _walls(*walls):
+    found = []
+    for x0, y0, x1, y1 in walls:
+        count = max(abs(x1 - x0), abs(y1 - y0)) // 25
+        for k in range(count + 1):
+            found.append((x0 + (x1 - x0) * k // count, y0 + (y1 - y0) * k // count))
+    return found
+
+
+def _decision(points):
+    """The Avoid after its first decision, for a robot that stands."""
+    avoid = Avoid(_config)
+    memory = avoid.points
+    for k, (x, y) in enumerate(points):
+        memory._fx[k] = 8 * x & 0xFFFF
+        memory._fy[k] = 8 * y & 0xFFFF
+    memory._state[0] = len(points)
+    avoid._ready = 100
+    odometry = Still()
+    slices = 0
+    while not avoid.work(odometry):
+        slices += 1
+        assert slices < 200
+    return avoid
+
+
+def test_a_free_corridor_is_driven_straight():
+    avoid = _decision(_walls((-350, -800, -350, 1000), (350, -800, 350, 1000)))
+    assert (avoid.af, avoid.ar) == (0, 0) and avoid.v > 100 and avoid.why == reasons.ON
+    assert avoid.free == _config.windows_look_ahead
+
+
+_OPEN_ON_THE_RIGHT = ((-250, -800, -250, 560), (-250, 560, 900, 560), (250, -800, 250, 20), (250, 20, 900, 20))
+
+
+def test_wall_ahead_and_open_on_the_right():
+    avoid = _decision(_walls(*_OPEN_ON_THE_RIGHT))
+    assert avoid.v != 90
+    assert (avoid.af > avoid.ar) == (avoid.v > 90), (avoid.af, avoid.ar, avoid.v)  # clockwise, or backing to line up for it
+
+
+def test_mirrored_points_give_the_mirrored_decision():
+    points = _walls(*_OPEN_ON_THE_RIGHT)
+    right = _decision(points)
+    left = _decision([(-x, y) for x, y in points])
+    assert (left.v > 90) == (right.v > 90)
+    assert (left.af > left.ar) != (right.af > right.ar) or right.af == right.ar and left.af == -right.af
+
+
+def test_closed_all_round_it_stands():
+    avoid = _decision(_walls((-127, -302, -127, 302), (127, -302, 127, 302), (-127, 302, 127, 302), (-127, -302, 127, -302)))
+    assert avoid.v == 90, (avoid.af, avoid.ar, avoid.v)

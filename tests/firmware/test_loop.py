@@ -1,0 +1,81 @@
+"""The whole loop, lidar bytes to chip registers, with the heap locked: it must not allocate."""
+
+import sys
+
+import micropython
+import robot as loop
+import rooms
+from avoid import Avoid
+from config import Config
+from drive import Drive
+from fake_chips import FakeBus, FakePin
+from health import Health
+from lidar import Lidar
+from pca9685 import PCA9685
+from steering import Steering
+
+# The emulation of viper is a hundred times slower: there the loop is only run to see that it can be.
+_TURNS = 20 if sys.implementation.name == "micropython" else 2
+
+# left, right, front, rear: free way, wall ahead, dead end, hardly any room, wall on one side only
+_ROOMS = ((350, 350, 4000, 1500), (350, 900, 560, 2000), (260, 260, 480, 1200), (215, 215, 340, 345), (240, 2000, 3000, 3000))
+
+
+class _Clock:
+    def __init__(self):
+        self.now = 0
+
+    def __call__(self):
+        return self.now
+
+
+def _robot(mode, clock):
+    config = Config({"mode": mode})
+    bus = FakeBus()
+    chips = [PCA9685(bus, address, frequency) for address, frequency in ((0x40, 50), (0x41, 1000), (0x42, 1000))]
+    drive = Drive(Steering(config.axles_spacings, config.axles_track, config.axles_first), chips[0], chips[1], chips[2], FakePin(), config)
+    lidar = Lidar(rooms.Uart(bytes(rooms.FRAMES * rooms.FRAME_SIZE)), None, config)
+    loop.ticks_us = clock
+    return loop.Robot(config, Avoid(config), lidar, drive, Health(lidar, drive, None, None, config)), bus
+
+
+def _run(mode):
+    """(robot, bus, bits of the stages seen)."""
+    clock = _Clock()
+    robot, bus = _robot(mode, clock)
+    scans = [rooms.revolution(*room) for room in _ROOMS]
+    stages = 0
+    uart = robot.lidar._uart
+    avoid = robot.avoid
+    turn = 0
+    micropython.heap_lock()
+    try:
+        while turn < len(_ROOMS) * _TURNS:
+            uart.data = scans[turn // _TURNS]
+            frame = 0
+            while frame < rooms.FRAMES:
+                clock.now += rooms.FRAME_US
+                robot.step()
+                stages |= 1 << avoid._stage
+                frame += 1
+            turn += 1
+    finally:
+        micropython.heap_unlock()
+    return robot, bus, stages
+
+
+def _check(mode):
+    robot, bus, stages = _run(mode)
+    assert robot.lidar.errors == 0 and robot.lidar.frames == len(_ROOMS) * _TURNS * rooms.FRAMES
+    if _TURNS > 2:
+        assert robot.avoid.decisions > 20, robot.avoid.decisions
+        assert stages == 1023, bin(stages)  # every stage of a decision
+        assert bus.chips[0x40].running() and bus.chips[0x41].bursts > 20
+
+
+def test_the_loop_allocates_nothing():
+    _check("AWS")
+
+
+def test_the_loop_allocates_nothing_with_the_last_axle_straight():
+    _check("NAWS")

@@ -1,0 +1,92 @@
+"""surroundings.py: what is kept of what was seen."""
+
+from array import array
+
+from config import Config
+from rooms import FRAMES, Sight, Still
+from surroundings import Surroundings
+
+_MOST = 384
+
+
+class _Memory:
+    """A robot that stands where it is put, and what it remembers."""
+
+    def __init__(self):
+        self.points = Surroundings(Config())
+        self.sight = Sight()
+        self.odometry = Still()
+
+    def look(self, of, turns=1):
+        for _ in range(turns):
+            for frame in range(FRAMES):
+                self.sight.look(frame, of)
+                self.points.frame(self.sight, self.odometry)
+
+    def roll(self, mm):
+        self.odometry.y += mm * 256
+        self.odometry.travel += mm
+
+    def seen(self):
+        """[(x, y)] in the body frame."""
+        x = array("H", bytes(2 * _MOST))
+        y = array("H", bytes(2 * _MOST))
+        n = self.points.view(self.odometry, x, y, 1000)
+        return [(x[i] - 8192, y[i] - 8192) for i in range(n)]
+
+
+def _post(distance, behind=0):
+    """A post ahead, 6 degrees to each side."""
+    return lambda bearing: distance if bearing < 60 or bearing > 3540 else behind
+
+
+def test_points_lie_where_they_were_measured():
+    memory = _Memory()
+    memory.look(_post(500))
+    points = memory.seen()
+    assert points
+    for x, y in points:
+        assert abs(x) < 60 and 490 < y < 505, points
+
+
+def test_what_comes_too_near_to_be_seen_is_remembered():
+    memory = _Memory()
+    memory.look(_post(400), 2)
+    count = len(memory.seen())
+    memory.roll(300)
+    memory.look(_post(0), 3)
+    points = memory.seen()
+    assert len(points) == count
+    for x, y in points:
+        assert abs(x) < 60 and 90 < y < 110, points
+
+
+def test_it_is_given_up_after_a_long_way():
+    memory = _Memory()
+    memory.look(_post(400))
+    memory.odometry.travel += memory.points.keep + 10
+    memory.look(_post(0))
+    assert memory.seen() == []
+
+
+def test_what_is_seen_past_is_dropped():
+    memory = _Memory()
+    memory.look(_post(500), 2)
+    memory.look(_post(900, 900), 3)
+    for x, y in memory.seen():
+        assert x * x + y * y > 800 * 800
+
+
+def test_what_is_behind_something_nearer_is_kept():
+    memory = _Memory()
+    memory.look(_post(900), 2)
+    memory.look(_post(500), 3)
+    assert [point for point in memory.seen() if point[1] > 850]
+
+
+def test_the_tip_of_a_corner_does_not_drown_in_the_mean():
+    memory = _Memory()
+    for k in range(40):
+        memory.look(_post(503 if k % 2 else 515))
+    nearest = min([y for x, y in memory.seen() if abs(x) < 15])
+    assert nearest < 508, memory.seen()

@@ -1,0 +1,37 @@
+"""windows.py: every window and every zone."""
+
+from array import array
+
+from config import Config
+from windows import BLUE, GREEN, NONE, RED, YELLOW, Windows
+
+# red 20 mm, blue 45 mm round a body of 250 x 600 mm; the planning window is 700 mm long and 300 mm wide beside the body
+_windows = Windows(Config(), 16)
+
+
+def _sort(*points):
+    """(most urgent window, window of each point)."""
+    x = array("H", [p[0] + 8192 for p in points])
+    y = array("H", [p[1] + 8192 for p in points])
+    urgent = _windows.sort(x, y, len(points))
+    return urgent, list(_windows.window[: len(points)])
+
+
+def test_a_point_in_each_window():
+    for y, window in ((290, GREEN), (310, RED), (330, BLUE), (900, YELLOW), (1100, NONE)):
+        assert _sort((0, y))[1] == [window], y
+        assert _sort((0, -y))[1] == [window], -y
+    for x, window in ((0, GREEN), (140, RED), (160, BLUE), (400, YELLOW), (500, NONE)):
+        assert _sort((x, 0))[1] == [window] and _sort((-x, 0))[1] == [window], x
+
+
+def test_the_most_urgent_window_counts():
+    assert _sort((0, 900), (160, 0), (0, 1500)) == (BLUE, [YELLOW, BLUE, NONE])
+    assert _sort((0, 900), (140, 0), (0, 330)) == (RED, [YELLOW, RED, BLUE])
+
+
+def test_ten_zones_clockwise():
+    around = ((0, 330), (155, 330), (155, 100), (155, -100), (155, -330), (0, -330), (-155, -330), (-155, -100), (-155, 100), (-155, 330))
+    for zone, point in enumerate(around):
+        assert _sort(point)[0] == BLUE
+        assert _windows.zone(BLUE) == zone, point
