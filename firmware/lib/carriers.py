@@ -24,7 +24,7 @@ _COMMAND = const(200)  # longest payload of a command
 
 _CTRL_C = const(3)
 _STALE_US = const(200_000)  # a frame from USB that is not whole by then never will be
-_RING = const(2560)
+_RING = const(2048)
 _BLOCK = const(64)
 _UNIT = const(8)
 _FIFO = const(120)

@@ -41,6 +41,7 @@ def install(firmware=FIRMWARE):
             setattr(time, name, getattr(ticks, name))
     _fill_in(gc, "mem_free", lambda: 100_000)
     _fill_in(gc, "mem_alloc", lambda: 0)
+    _fill_in(gc, "threshold", lambda size=-1: -1)
     _fill_in(sys, "print_exception", lambda error, file=None: traceback.print_exception(error, file=file))
     library = str(Path(firmware) / "lib")
     if library not in sys.path:

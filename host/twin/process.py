@@ -16,9 +16,8 @@ ENGINES = ("micropython", "cpython")
 ADVANCE, READ, FLUSH, RESET = 1, 2, 3, 4
 I2C_WRITE, PIN, PWM_DUTY, PWM_FREQUENCY, UART_OUTPUT = 1, 2, 3, 4, 5
 REPLY, PAYLOAD, CHUNKS = 1024, 176, 4
-# About twice what the ESP32 has for it, as pointers are twice as long here. 14 kB of it go to the emulated board, among them the 4 kB in which
-# a UART receives: on the ESP32 these lie outside the heap.
-HEAP = "208k"
+# Stands for about 100 kB on the ESP32, as pointers are twice as long here; some 13 kB of it go to the emulated board.
+HEAP = "200k"
 SILENCE_S = 20.0
 
 _REQUEST = struct.Struct("<IBBHqq11iI")

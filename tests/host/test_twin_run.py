@@ -241,7 +241,7 @@ def drives():
 def test_the_firmware_drives(drives):
     result, log = drives[0]
     assert result.reason == f"{SECONDS} s are over"
-    assert result.decisions > 20
+    assert result.decisions > 3  # they rest while nothing changes
     assert result.overflows == 0
     assert result.track[-1, 2] > result.track[0, 2] + 100
     assert [decision.number for decision in result.log] == sorted(decision.number for decision in result.log)

@@ -239,8 +239,24 @@ if sys.implementation.name == "micropython":
     def _send(count):
         _to_twin.write(_request, count)
 
+    def store(file, source, start, count):
+        """Write source[start:start + count], bytes, to a file."""
+        file.write(source, start, count)
+
+    def load(file, buffer, count):
+        """Read `count` bytes of a file into the buffer."""
+        file.readinto(buffer, count)
+
 else:
 
     def _send(count):
         _to_twin.write(_view[:count])
         _to_twin.flush()
+
+    def store(file, source, start, count):
+        """Write source[start:start + count], bytes, to a file."""
+        file.write(memoryview(source).cast("B")[start : start + count])
+
+    def load(file, buffer, count):
+        """Read `count` bytes of a file into the buffer."""
+        file.readinto(memoryview(buffer)[:count])

@@ -132,7 +132,7 @@ class UART:
         self.baudrate = baudrate
         self._tx = _gpio(tx)
         self._size = max(rxbuf, 128)
-        self._ring = bytearray(self._size)
+        self._waiting = open("uart%d" % id, "w+b")  # a file: on the ESP32 these bytes lie outside the heap as well
         self._head = 0
         self._count = 0
         if _gpio(rx) >= 0:
@@ -156,10 +156,9 @@ class UART:
             count = self._count
         if count == 0:
             return None
-        first = min(count, self._size - self._head)
-        lockstep.copy(buffer, 0, self._ring, self._head, first)
-        lockstep.copy(buffer, first, self._ring, 0, count - first)
-        self._head = (self._head + count) % self._size
+        self._waiting.seek(self._head)
+        lockstep.load(self._waiting, buffer, count)
+        self._head += count
         self._count -= count
         return count
 
@@ -181,10 +180,10 @@ class UART:
         if count > room:
             lockstep.overflows += count - room
             count = room
-        tail = (self._head + self._count) % self._size
-        first = min(count, self._size - tail)
-        lockstep.copy(self._ring, tail, source, start, first)
-        lockstep.copy(self._ring, 0, source, start + first, count - first)
+        if self._count == 0:
+            self._head = 0
+        self._waiting.seek(self._head + self._count)
+        lockstep.store(self._waiting, source, start, count)
         self._count += count
 
 
