@@ -23,10 +23,11 @@ from trig import cos14, sin14
 from windows import NO_ZONE, RED, Windows
 
 _POINTS = const(384)
-_NODES = const(8)
+_NODES = const(6)
 _NOTHING = const(65535)
 _NO_POINT = const(32767)
-_SLICE = const(1900)  # candidate tests in one slice
+_LEFT_SIDE = const(1000)
+_SLICE = const(1300)  # candidate tests in one slice
 _PATIENCE = const(5)  # times backing up on the same ground
 
 # Stages of a decision.
@@ -170,7 +171,7 @@ class Avoid:
         self.free_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
         self.soft_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
         self.block_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
-        self._score = tuple(array("H", bytes(2 * count * LENGTHS)) for _ in range(4))
+        self._score = tuple(array("H", b"\xff" * (2 * count * LENGTHS)) for _ in range(4))
         self._free2 = array("H", bytes(2 * count))
         self._soft2 = array("H", bytes(2 * count))
         self._block2 = array("H", bytes(2 * count))
@@ -295,8 +296,8 @@ class Avoid:
         self._run(v, k, k + 1, 1, 0)
         return self.free_of[v][k]
 
-    def _run_some(self, variant):
-        """Sweep the next candidates of one variant, as many as a slice allows. True when all are done."""
+    def _run_some(self, variant, odometry):
+        """Sweep and value the next candidates of one variant, as many as a slice allows. True when all are done."""
         env = self.envelopes
         first = self._next
         if variant & 2 and first < env.astern_first:
@@ -308,6 +309,8 @@ class Avoid:
             last = min(last, env.ahead_end)
         last = min(last, env.count)
         self._run(variant, first, last, 1, env.lengths[0])
+        self._grid(odometry, 0, 0, 0)
+        self._worth(variant, self.free_of[variant], self.soft_of[variant], self._score[variant], first, last, 1, self.af, self.ar, 150 if variant & 2 else 0)
         self._next = last
         if last < env.count:
             return False
@@ -403,13 +406,10 @@ class Avoid:
             return False
         env = self.envelopes
         if stage == _RIGHT or stage == _LEFT:
-            if self._run_some(stage - _RIGHT):
+            if self._run_some(stage - _RIGHT, odometry):
                 self._stage = stage + 1
             return False
         if stage == _CHOOSE:
-            self._grid(odometry, 0, 0, 0)
-            for v in (0, 1):
-                self._worth(v, self.free_of[v], self.soft_of[v], self._score[v], 0, env.count, 1, self.af, self.ar, 0)
             if self._choose_one(odometry):
                 self._stage = _IDLE
                 self._decided_travel = odometry.travel256
@@ -425,19 +425,12 @@ class Avoid:
                 return True
             return False
         if stage == _BACK_RIGHT or stage == _BACK_LEFT:
-            if self._run_some(stage - _BACK_RIGHT + 2):
+            if self._run_some(stage - _BACK_RIGHT + 2, odometry):
                 self._stage = stage + 1
             return False
         if stage == _NODE_PICK:
-            v = self._next
-            if v < 4:
-                self._grid(odometry, 0, 0, 0)
-                self._worth(v, self.free_of[v], self.soft_of[v], self._score[v], 0, env.count, 1, self.af, self.ar, 150 if v & 2 else 0)
-                self._next = v + 1
-            else:
-                self._pick_nodes()
-                self._next = 0
-                self._stage = _EXPAND if self._nodes else _SETTLE
+            self._pick_nodes()
+            self._stage = _EXPAND if self._nodes else _SETTLE
             return False
         if stage == _EXPAND:
             if self._expand(odometry):
@@ -548,9 +541,11 @@ class Avoid:
         self._best_node = 0
 
     def _expand(self, odometry):
-        """Second moves from where a node ends, in four slices: arcs and strips, right and left. True after the last."""
+        """Second moves from where a node ends, right and left, a slice of candidates at a time. True after the last.
+
+        Every other point and candidate does: the second move is looked at again, with all of them, before it is driven.
+        """
         env = self.envelopes
-        part = self._next
         v = self._node_variant[self._node]
         at = self._node_at[self._node]
         k = at // LENGTHS
@@ -564,9 +559,10 @@ class Avoid:
             y = -y
             turn = -turn
         self.points_count = -1  # for now there are none for others
-        n = move(self._x, self._y, self._n, x, y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, self._nx, self._ny)
+        n = move(self._x, self._y, self._n, x, y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, self._nx, self._ny, 2)
         near = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.soft + BAND_MM)
-        second = part >> 1
+        second = 1 if self._next >= _LEFT_SIDE else 0
+        first = self._next - second * _LEFT_SIDE
         if second:
             mirror(self._nx, n)
         n = drop_behind(self._nx, self._ny, near, n, env.half_length + env.soft, self._swing)
@@ -582,9 +578,10 @@ class Avoid:
         # The second move's score replaces the cost of the pose where the first ends.
         job = self._ends_job
         base = self._node_score[self._node] - self.field.at(job[0] + self.field.corner_x, job[1] + self.field.corner_y, job[10])
-        first = env.arcs if part & 1 else 0
-        last = env.count if part & 1 else env.ahead_end
-        stride = 1 if part & 1 else 2
+        if env.ahead_end <= first < env.arcs:
+            first = env.arcs
+        stride = 2 if first < env.arcs else 1
+        last = min(first + stride * (_SLICE // (n + 16) + 1), env.ahead_end if stride == 2 else env.count)
         self._sweep.run(self._nx, self._ny, n, near, first, last, stride, env.lengths[1], self._free2, self._soft2, self._block2)
         self._worth(second, self._free2, self._soft2, self._score2, first, last, stride, a, r, 60)
         b = _best(self._score2, first, last, stride)
@@ -596,8 +593,11 @@ class Avoid:
                 self._second_variant = second
                 self._second_k = b // LENGTHS
                 self._second_length = env.lengths[b % LENGTHS]
-        self._next = (part + 1) & 3
-        return part == 3
+        if last < env.count:
+            self._next = second * _LEFT_SIDE + last
+            return False
+        self._next = 0 if second else _LEFT_SIDE
+        return second == 1
 
     def _settle(self, odometry):
         """Drive the best pair of moves, or the least bad single one, or stand."""

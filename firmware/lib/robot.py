@@ -25,6 +25,7 @@ class Robot:
         self.odometry = Odometry(config)
         self.took_us = 0
         self._slices_us = 0
+        self._spare = False
 
     def step(self):
         """Once round. Returns True if a lidar frame was taken in."""
@@ -51,7 +52,13 @@ class Robot:
             if seen:
                 avoid.watch(odometry, reasons.MANUAL, link.af, link.ar, link.v)
         elif seen:
-            self._decide(now)
+            self._watch_out()
+            self._decide()
+            self._spare = True
+        elif self._spare:
+            # Between two frames there is time for a second slice.
+            self._spare = False
+            self._decide()
         drive.update(now)
         if link is not None:
             link.update(now, self)
@@ -66,18 +73,22 @@ class Robot:
         if seen:
             self.avoid.watch(self.odometry, why, drive.af, drive.ar, 90)
 
-    def _decide(self, now):
-        """On every frame: stop for what is new, then one slice of the decision."""
+    def _watch_out(self):
+        """On every frame: stop for what is new."""
         drive = self.drive
         avoid = self.avoid
         if avoid.v != 90:
             speed = drive.v256 * self.config.motors_full_speed // (90 * 256)
             if avoid.guard(self.odometry, -speed if speed < 0 else speed):
                 drive.command(avoid.af, avoid.ar, 90)
+
+    def _decide(self):
+        """One slice of the decision."""
+        avoid = self.avoid
         began = ticks_us()
         done = avoid.work(self.odometry)
         self._slices_us += ticks_diff(ticks_us(), began)
         if done:
-            drive.command(avoid.af, avoid.ar, avoid.v)
+            self.drive.command(avoid.af, avoid.ar, avoid.v)
             self.took_us = self._slices_us
             self._slices_us = 0

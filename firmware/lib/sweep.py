@@ -107,8 +107,8 @@ def mirror(p: ptr16, n: int):
 
 
 @micropython.viper
-def move(px: ptr16, py: ptr16, n: int, x: int, y: int, s: int, c: int, reach: int, qx: ptr16, qy: ptr16) -> int:
-    """The points as seen from a pose (x, y mm, heading by sine and cosine * 2**14), those within reach mm."""
+def move(px: ptr16, py: ptr16, n: int, x: int, y: int, s: int, c: int, reach: int, qx: ptr16, qy: ptr16, every: int) -> int:
+    """The points as seen from a pose (x, y mm, heading by sine and cosine * 2**14), those within reach mm; of each `every` one."""
     m = 0
     i = 0
     while i < n:
@@ -120,7 +120,7 @@ def move(px: ptr16, py: ptr16, n: int, x: int, y: int, s: int, c: int, reach: in
             qx[m] = u + 8192
             qy[m] = v + 8192
             m += 1
-        i += 1
+        i += every
     return m
 
 
