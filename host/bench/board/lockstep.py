@@ -113,6 +113,16 @@ def read(address, buffer, count):
     copy(buffer, 0, _chips[address], _pointer[address], count)
 
 
+def store(file, source, start, count):
+    """Write source[start:start + count], bytes, to a file."""
+    file.write(source, start, count)
+
+
+def load(file, buffer, count):
+    """Read `count` bytes of a file into the buffer."""
+    file.readinto(buffer, count)
+
+
 def acknowledges(address):
     """True when a device answers at the I2C address."""
     if address < 60:
