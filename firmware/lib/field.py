@@ -29,7 +29,7 @@ _PLACES = const(900)
 _STATES = const(10800)
 _QUEUE = const(2048)
 _TRAIL = const(1)
-_TRAIL_POINTS = const(160)
+_TRAIL_POINTS = const(120)
 
 
 @micropython.viper

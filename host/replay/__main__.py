@@ -45,6 +45,8 @@ def main(argv: list[str] | None = None) -> int:
     print(f"{options.file}: {reader.header.source}, {tape.then.end_us / 1e6:.1f} s")
     if tape.cut:
         print(f"the file is {tape.cut}; what is before that was used")
+        # The cut may lie between the writes of one moment: those behind it have nothing to be compared with.
+        del again.log.writes[len(tape.then.writes) :]
     if reader.header.firmware != (here := version(options.firmware)):
         print(f"recorded with firmware {reader.header.firmware}, this is {here}: differences are to be expected")
     return _report(tape.then, again, changes, reader.header.reasons, options.rows)

@@ -7,7 +7,7 @@ from pathlib import Path
 from host.twin import image, process, run
 
 PROBE = Path(__file__).with_name("memory_probe.py")
-LIVE, ARRAYS, BLOCK = 199_000, 70 * 1024, 1500  # bytes
+LIVE, ARRAYS, BLOCK = 199_000, 70_000, 1500  # bytes
 BEFORE_THE_LOOP = "\ntry:\n    while True:"
 ASK = """
 import micropython

@@ -12,7 +12,7 @@ from host.replay import compare, table
 from host.replay.tape import Log
 from host.twin import Watch, cli, image, recorder, run
 
-SECONDS = 4
+SECONDS = 6
 
 # Writes into a register what it sees of everything it can see, so that any difference shows
 PROGRAM = """
