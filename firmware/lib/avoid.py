@@ -410,6 +410,7 @@ class Avoid:
                 self._stage = stage + 1
             return False
         if stage == _CHOOSE:
+            self._grid(odometry, 0, 0, 0)
             if self._choose_one(odometry):
                 self._stage = _IDLE
                 self._decided_travel = odometry.travel256
@@ -467,6 +468,35 @@ class Avoid:
         self._look(odometry)
         self._urgent = self.windows.sort(self._x, self._y, self._n)
 
+    def _against(self, variant, at):
+        """What it costs, mm, that the nose does not point where the way leads on, after travel `at` from the pose of the score job.
+
+        The cost of leaving should fall ahead of the nose; how much it does not is counted.
+        """
+        env = self.envelopes
+        field = self.field
+        job = self._ends_job
+        x = env.ends[2 * at] - 8192
+        y = env.ends[2 * at + 1] - 8192
+        turn = env.turns[at]
+        if variant & 1:
+            x = -x
+            turn = -turn
+        if variant & 2:
+            y = -y
+            turn = -turn
+        s = job[2] - 16384
+        c = job[3] - 16384
+        x, y = job[0] + field.corner_x + ((x * c + y * s) >> 11), job[1] + field.corner_y + ((y * c - x * s) >> 11)
+        heading = job[10] + turn
+        ahead = env.half_length >> 1
+        x1 = x + (ahead * sin14(heading) >> 11)
+        y1 = y + (ahead * cos14(heading) >> 11)
+        loss = field.at(x1, y1, heading) - field.at(x, y, heading) + (ahead >> 1)
+        if loss < 0:
+            return 0
+        return loss if loss < 2 * ahead else 2 * ahead
+
     def _choose_one(self, odometry):
         """Take the best single move if it gets on well."""
         score0 = self._score[0]
@@ -478,7 +508,10 @@ class Avoid:
         value_b = score1[b] if b != _NOTHING else 65535
         here = self._here(odometry)
         variant = 0
-        if value_b < value_a or (value_a == value_b and self._variant == 1):
+        # Which of the two sides, is told by where the nose points afterwards: the field knows no front from rear.
+        against_a = self._against(0, a) if a != _NOTHING else 0
+        against_b = self._against(1, b) if b != _NOTHING else 0
+        if value_b + against_b < value_a + against_a or (value_b + against_b == value_a + against_a and self._variant == 1):
             variant = 1
             a = b
             value_a = value_b
@@ -586,7 +619,7 @@ class Avoid:
         self._worth(second, self._free2, self._soft2, self._score2, first, last, stride, a, r, 60)
         b = _best(self._score2, first, last, stride)
         if b != _NOTHING:
-            value = base + self._score2[b]
+            value = base + self._score2[b] + self._against(second, b)
             if value < self._best_value:
                 self._best_value = value
                 self._best_node = self._node
