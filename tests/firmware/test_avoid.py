@@ -40,7 +40,7 @@ def test_a_free_corridor_is_driven_straight():
     assert avoid.free == _config.windows_look_ahead
 
 
-_OPEN_ON_THE_RIGHT = ((-250, -800, -250, 560), (-250, 560, 900, 560), (250, -800, 250, 20), (250, 20, 900, 20))
+_OPEN_ON_THE_RIGHT = ((-250, -800, -250, 460), (-250, 460, 900, 460), (250, -800, 250, -80), (250, -80, 900, -80))
 
 
 def test_wall_ahead_and_open_on_the_right():
