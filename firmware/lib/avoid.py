@@ -256,7 +256,7 @@ class Avoid:
         free = self._current_free()
         self.free = free
         # What rolls out in the motors' time constant, and a little.
-        if free >= speed // 12:
+        if free >= speed // 9:
             return False
         self.v = 90
         self.why = reasons.BLOCKED
