@@ -17,7 +17,7 @@ from .measure import Bench, BenchError
 BUFFERS_BUDGET = 70_000
 RATIO_TO_PAPER, RATIO_TO_PLAIN = 100, 20
 WORKERS = 2
-DECISIONS_EACH = 2  # of each tape the baselines make so many: the plain one takes a second for one
+PAPER_EACH, PLAIN_EACH = 16, 2  # decisions of each tape that the baselines make as well: the plain one takes a second for one
 
 
 def main(arguments=None):
@@ -46,8 +46,9 @@ def measure(courses=scans.COURSES, firmware=image.FIRMWARE, quiet=True):
     def play(tape):
         counted = bench.count(tape)
         decisions = len(stages.samples(counted, True).whole)
-        every = 0 if tape.surprise else max(decisions // DECISIONS_EACH, 1)
-        return tape, counted, bench.time(tape, every, 1 if tape.surprise else 2), None if tape.surprise else bench.heap(tape)
+        if tape.surprise:
+            return tape, counted, bench.time(tape, repeats=1), None
+        return tape, counted, bench.time(tape, (decisions, PAPER_EACH, PLAIN_EACH)), bench.heap(tape)
 
     with ThreadPoolExecutor(WORKERS) as pool, tqdm(total=len(tapes), desc="playing them back", disable=quiet or None) as bar:
         for tape, counted, timed, grown in pool.map(play, tapes):

@@ -50,14 +50,17 @@ class Bench:
                 (copy / path.relative_to(firmware)).write_text(cutter.counted[name])
             _, self.counted = image.compiled(copy)
 
-    def time(self, tape, every=0, repeats=2):
-        """Log with microseconds here, the least of several plays; every `every`-th decision is made by the baselines as well, once."""
-        first = self._play("time", tape, self.plain, str(every)).rows
+    def time(self, tape, again=(0, 0, 0), repeats=2):
+        """Log with microseconds here, the least of several plays.
+
+        again: of (so many decisions, so many are made by the papers' iteration as well, so many by the plain swept test), once, spread evenly.
+        """
+        first = self._play("time", tape, self.plain, *map(str, again)).rows
         for _ in range(repeats - 1):
-            again = self._play("time", tape, self.plain, "0").rows
+            more = self._play("time", tape, self.plain, "0", "0", "0").rows
             alone = ~np.isin(first[:, 0], (KINDS.index("paper"), KINDS.index("plain")))
-            if alone.sum() == len(again):
-                first[alone, 1] = np.minimum(first[alone, 1], again[:, 1])
+            if alone.sum() == len(more):
+                first[alone, 1] = np.minimum(first[alone, 1], more[:, 1])
         return Log(first)
 
     def count(self, tape):
@@ -71,8 +74,8 @@ class Bench:
         """{"worst": bytes by which the heap grew most in one loop, "all": in all loops, "buffers": bytes of all buffers on the ESP32}."""
         return json.loads(self._run("heap", tape, self.plain))
 
-    def _play(self, what, tape, firmware, extra):
-        data = self._run(what, tape, firmware, extra)
+    def _play(self, what, tape, firmware, *extra):
+        data = self._run(what, tape, firmware, *extra)
         words = np.frombuffer(data, "<i4")
         size = len(KINDS) * len(self.blocks) if what == "count" else 0
         rows = words[: len(words) - size].reshape(-1, 4).copy()

@@ -7,9 +7,10 @@ import numpy as np
 from . import costs
 from .measure import KINDS
 
-BUDGET_MS = {"frame": 1.5, "decision": 5.0, "act": 5.0, "reaction": 12.0}
+BUDGET_MS = {"frame": 1.5, "guard": 5.0, "decision": 5.0, "act": 5.0, "reaction": 12.0}
 WORDS = {
-    "frame": "parse, check, place, forget, guard: one frame of the lidar",
+    "frame": "parse, check, place, forget: one frame of the lidar",
+    "guard": "what is driven now tested against all points, on every frame",
     "decision": "one slice of the decision",
     "act": "steering of all wheels, register bursts of three chips",
     "reaction": "last byte that shows something new to first register byte",
@@ -19,16 +20,21 @@ POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN = (K
 
 @dataclass
 class Samples:
-    """What each occurrence of a stage took, us. `whole` is a decision with all its slices; points: (n, 2) points seen, in windows."""
+    """What each occurrence of a stage took, us. `whole` is a decision with all its slices; points: (n, 2) points seen, in windows.
+
+    paper_of, plain_of: whole decisions that the baseline made too, in the same order.
+    """
 
     frame: list = field(default_factory=list)
+    guard: list = field(default_factory=list)
     decision: list = field(default_factory=list)
     act: list = field(default_factory=list)
     reaction: list = field(default_factory=list)
     whole: list = field(default_factory=list)
     paper: list = field(default_factory=list)
+    paper_of: list = field(default_factory=list)
     plain: list = field(default_factory=list)
-    decided: list = field(default_factory=list)  # whole decisions that the baselines made too
+    plain_of: list = field(default_factory=list)
     points: list = field(default_factory=list)
 
     def extend(self, other):
@@ -58,10 +64,10 @@ def samples(log, modelled):
         elif kind == PLACE:
             frame += us
         elif kind == GUARD:
-            frame += us
+            out.guard.append(us)
             if extra and pending is None:
                 # The frame waits for the loop to come round: for its sleep to end, or for what is left of a long turn.
-                pending = (max(waited, turn - period) if modelled else 0.0) + frame, now
+                pending = (max(waited, turn - period) if modelled else 0.0) + frame + us, now
         elif kind == WORK:
             out.decision.append(us)
             whole += us
@@ -83,9 +89,10 @@ def samples(log, modelled):
             out.points.append((value, extra))
         elif kind == PAPER:
             out.paper.append(us)
-            out.decided.append(last)
+            out.paper_of.append(last)
         elif kind == PLAIN:
             out.plain.append(us)
+            out.plain_of.append(last)
         elif kind == TURN:
             turn = extra * scale
     return out
@@ -112,8 +119,8 @@ def figures(here, modelled, heap):
         },
         "heap_bytes_per_loop": max(one["worst"] for one in heap),
         "buffers_bytes_esp32": max(one["buffers"] for one in heap),
-        "ratio_to_paper": _ratio(here.paper, here.decided),
-        "ratio_to_plain": _ratio(here.plain, here.decided),
+        "ratio_to_paper": _ratio(here.paper, here.paper_of),
+        "ratio_to_plain": _ratio(here.plain, here.plain_of),
     }
 
 

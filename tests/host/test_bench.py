@@ -86,18 +86,20 @@ def test_slices_make_a_decision_and_a_guard_makes_a_reaction():
     found = stages.samples(log, modelled=True)
     assert found.whole == [pytest.approx(costs.us(360_000))]
     assert found.decision == [pytest.approx(2000), pytest.approx(1000)]
-    assert found.frame == [pytest.approx(2000)]
+    assert found.frame == [pytest.approx(1500)]
+    assert found.guard == [pytest.approx(500)] * 2
     assert found.act == [pytest.approx(1100 + 3000)]
     assert found.reaction == [pytest.approx(500 + 2000 + 1100)]
 
 
 def test_the_command_line_prints_one_object(monkeypatch, capsys):
     monkeypatch.setattr(scans, "QUICK", ({"course": "Z", "width": 550, "seed": 1, "limit_s": 4},))
-    monkeypatch.setattr(cli, "DECISIONS_EACH", 1)
+    monkeypatch.setattr(cli, "PAPER_EACH", 3)
+    monkeypatch.setattr(cli, "PLAIN_EACH", 1)
     assert cli.main(["--quick", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert set(found["stages"]) == {"frame", "decision", "act", "reaction"}
-    for name in ("frame", "decision", "act"):
+    assert set(found["stages"]) == {"frame", "guard", "decision", "act", "reaction"}
+    for name in ("frame", "guard", "decision", "act"):
         assert {"worst_ms_esp32", "median_us_here", "worst_us_here"} <= set(found["stages"][name])
         assert 0 < found["stages"][name]["worst_ms_esp32"] < 1000
     assert found["heap_bytes_per_loop"] >= 0 and found["buffers_bytes_esp32"] > 10_000

@@ -87,15 +87,18 @@ class Watch:
 
 
 class Stopwatch(Watch):
-    """Microseconds here. clock: the interpreter's own time module; every: each so many-th decision is made by the baselines too, 0 for none."""
+    """Microseconds here. clock: the interpreter's own time module; of `decisions` the papers' iteration makes `paper_count` too, the plain
+    swept test `plain_count`, spread evenly."""
 
-    def __init__(self, robot, clock, every):
+    def __init__(self, robot, clock, decisions, paper_count, plain_count):
         import paper
         import plain
 
-        self.paper = paper.Planner(robot.config)
-        self.plain = plain.Planner(robot.config, robot.avoid.envelopes)
-        self.every = every
+        self.baselines = (
+            (PAPER, paper.Planner(robot.config), paper_count),
+            (PLAIN, plain.Planner(robot.config, robot.avoid.envelopes), plain_count),
+        )
+        self.decisions = decisions
         self.clock = clock
         self.count = 0
         self.now = clock.ticks_us
@@ -113,10 +116,10 @@ class Stopwatch(Watch):
 
     def decided(self, avoid):
         self.count += 1
-        if self.every == 0 or self.count % self.every:
-            return
         # Now and then the decision is made by the baselines as well; the time that takes is nobody's.
-        for kind, planner in ((PAPER, self.paper), (PLAIN, self.plain)):
+        for kind, planner, times in self.baselines:
+            if self.decisions == 0 or self.count * times // self.decisions == (self.count - 1) * times // self.decisions:
+                continue
             xs = [avoid.points_x[i] for i in range(avoid.points_count)]
             ys = [avoid.points_y[i] for i in range(avoid.points_count)]
             gc.collect()
