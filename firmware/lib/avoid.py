@@ -22,7 +22,7 @@ from sweep import BAND_MM, Sweep, drop_behind, mirror, move, sort_near
 from trig import cos14, sin14
 from windows import NO_ZONE, RED, Windows
 
-_POINTS = const(384)
+_POINTS = const(320)
 _NODES = const(6)
 _NOTHING = const(65535)
 _NO_POINT = const(32767)

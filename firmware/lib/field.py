@@ -21,21 +21,20 @@ from micropython import const
 
 from once import forget
 
-_POINTS = const(40)  # closed in one slice
-_POSES = const(700)  # spread in one slice
+_POINTS = const(45)  # closed in one slice
+_POSES = const(300)  # spread in one slice
 _N = const(30)
 _TURNS = const(12)
 _PLACES = const(900)
 _STATES = const(10800)
 _QUEUE = const(2048)
-_TRAIL = const(1)
 _TRAIL_POINTS = const(120)
 
 
 @micropython.viper
 def _clear(cost: ptr16, rows: ptr32, tight: ptr32, seen: ptr32, weight: ptr8):
     i = 0
-    while i < 270:
+    while i < 276:
         seen[i] = 0
         i += 1
     i = 0
@@ -54,118 +53,113 @@ def _clear(cost: ptr16, rows: ptr32, tight: ptr32, seen: ptr32, weight: ptr8):
 
 
 @micropython.viper
-def _cover(weight: ptr8, x: int, y: int, radius: int, cell: int, value: int):
-    """Make the places within the radius of (x, y) dearer by the value."""
+def _cover(weight: ptr8, tx: ptr16, ty: ptr16, job: ptr32, first: int, last: int):
+    """Make the places within a radius of each point first..last-1 of the trail dearer, each time anew.
+
+    job: x, y of the grid's corner, cell, radius (1/8 mm)
+    """
+    cell = job[2]
+    radius = job[3]
     half = cell >> 1
-    i0 = (x - radius) // cell
-    i1 = (x + radius) // cell
-    j = (y - radius) // cell
-    j1 = (y + radius) // cell
-    if i0 < 0:
-        i0 = 0
-    if j < 0:
-        j = 0
-    if i1 > 29:
-        i1 = 29
-    if j1 > 29:
-        j1 = 29
     room = radius * radius
-    while j <= j1:
-        dy = j * cell + half - y
-        i = i0
-        while i <= i1:
-            dx = i * cell + half - x
-            if dx * dx + dy * dy <= room:
-                w = weight[j * 30 + i]
-                if w < 40:
-                    weight[j * 30 + i] = w + value
-            i += 1
-        j += 1
+    size = cell * 30
+    k = first % 120
+    while first < last:
+        x = (((tx[k] - job[0]) & 0xFFFF) ^ 0x8000) - 0x8000
+        y = (((ty[k] - job[1]) & 0xFFFF) ^ 0x8000) - 0x8000
+        first += 1
+        k += 1
+        if k == 120:
+            k = 0
+        if x <= 0 - radius or y <= 0 - radius or x >= size + radius or y >= size + radius:
+            continue
+        i0 = (x - radius) // cell
+        i1 = (x + radius) // cell
+        j = (y - radius) // cell
+        j1 = (y + radius) // cell
+        if i0 < 0:
+            i0 = 0
+        if j < 0:
+            j = 0
+        if i1 > 29:
+            i1 = 29
+        if j1 > 29:
+            j1 = 29
+        while j <= j1:
+            dy = j * cell + half - y
+            dy = room - dy * dy
+            i = j * 30 + i0
+            last_i = j * 30 + i1
+            dx = i0 * cell + half - x
+            while i <= last_i:
+                if dx * dx <= dy and weight[i] < 40:
+                    weight[i] = weight[i] + 1
+                dx += cell
+                i += 1
+            j += 1
 
 
 @micropython.viper
-def _close(closed: ptr32, tight: ptr32, seen: ptr32, fx: ptr16, fy: ptr16, first: int, last: int, gx: int, gy: int, shape: ptr32, cell: int) -> int:
+def _close(closed: ptr32, tight: ptr32, stamps: ptr16, seen: ptr32, fx: ptr16, fy: ptr16, first: int, last: int, job: ptr32) -> int:
     """Close the poses whose outline covers one of the points first..last-1: one mask of 30 bits per row and orientation.
 
-    Of the points in one patch of 2/3 cell the first serves for all. tight: the same for the full outline. Returns how many served.
+    Points are taken to half a cell: the stamp of the half cell says which poses about it are closed. tight: the same for the full outline.
+    job: x, y of the grid's corner, cell (1/8 mm), rows of a stamp to each side, most points that count. Returns the first point not looked at.
     """
-    size = cell * 30
-    half = cell >> 1
-    inverse = 4194304 // cell  # 2**22 / cell
-    served = 0
-    reach = shape[84]
-    k = first
-    while k < last:
-        x = (((fx[k] - gx) & 0xFFFF) ^ 0x8000) - 0x8000
-        y = (((fy[k] - gy) & 0xFFFF) ^ 0x8000) - 0x8000
-        k += 1
-        if x <= 0 - reach or y <= 0 - reach or x >= size + reach or y >= size + reach:
+    edge = job[2] << 3  # eight cells round the grid
+    across = edge * 46 >> 3
+    inverse = 4194304 // job[2]  # 2**22 / cell
+    reach = job[3]
+    high = reach + reach + 1
+    most = job[4]
+    while first < last and most > 0:
+        x = (((fx[first] - job[0] + edge) & 0xFFFF) ^ 0x8000) - 0x8000
+        y = (((fy[first] - job[1] + edge) & 0xFFFF) ^ 0x8000) - 0x8000
+        first += 1
+        if x < 0 or y < 0 or x >= across or y >= across:
             continue
-        # patches: 90 columns (30 to a word) and 90 rows reach one third of the grid beyond it on each side
-        i = ((x + (size >> 1)) * 3 * (inverse >> 1)) >> 22
-        j = ((y + (size >> 1)) * 3 * (inverse >> 1)) >> 22
-        if i >= 0 and j >= 0 and i < 90 and j < 90:
-            m = 1 << (i % 30)
-            i = j * 3 + i // 30
-            if seen[i] & m:
-                continue
-            seen[i] = seen[i] | m
-        served += 1
+        x = x * inverse >> 21  # half cells
+        y = y * inverse >> 21
+        m = 1 << (x & 31)
+        i = y * 3 + (x >> 5)
+        if seen[i] & m:
+            continue
+        seen[i] = seen[i] | m
+        # bit 8 of a stamp is the point's own column
+        s = (((y & 1) << 1) + (x & 1)) * 24 * high
+        x = x >> 1
+        left = 0
+        right = 16 - x
+        if x > 16:
+            left = x - 16
+            right = 0
+        y = (y >> 1) - 8 - reach
+        top = y + high
+        lost = 0
+        if y < 0:
+            lost = 0 - y
+            y = 0
+        if top > 30:
+            top = 30
+        if y >= top:
+            continue
+        most -= 1
         t = 0
-        while t < 12:
-            b = t * 7
-            a1 = shape[b] - 65536
-            a2 = shape[b + 1] - 65536
-            b1 = shape[b + 2]
-            b2 = shape[b + 3]
-            c1 = shape[b + 4]
-            c2 = shape[b + 5]
-            tall = shape[b + 6]
-            j = ((y - tall - half) * inverse >> 22) + 1
-            j1 = (y + tall - half) * inverse >> 22
-            if j < 0:
-                j = 0
-            if j1 > 29:
-                j1 = 29
-            row = t * 30 + j
-            dy = j * cell + half - y
-            left = x - half
-            while j <= j1:
-                m = left + (a1 * dy >> 10)
-                n = left + (a2 * dy >> 10)
-                lo = m - c1
-                if n - c2 > lo:
-                    lo = n - c2
-                hi = m + c1
-                if n + c2 < hi:
-                    hi = n + c2
-                i0 = (lo * inverse >> 22) + 1
-                i1 = hi * inverse >> 22
-                if i0 < 0:
-                    i0 = 0
-                if i1 > 29:
-                    i1 = 29
-                if i0 <= i1:
-                    tight[row] = tight[row] | ((1 << (i1 + 1)) - (1 << i0))
-                    lo = m - b1
-                    if n - b2 > lo:
-                        lo = n - b2
-                    hi = m + b1
-                    if n + b2 < hi:
-                        hi = n + b2
-                    i0 = (lo * inverse >> 22) + 1
-                    i1 = hi * inverse >> 22
-                    if i0 < 0:
-                        i0 = 0
-                    if i1 > 29:
-                        i1 = 29
-                    if i0 <= i1:
-                        closed[row] = closed[row] | ((1 << (i1 + 1)) - (1 << i0))
-                j += 1
+        while t < 360:
+            i = s + lost + lost
+            row = t + y
+            end = t + top
+            while row < end:
+                m = stamps[i]
+                if m:
+                    tight[row] = tight[row] | (((m << left) >> right) & 0x3FFFFFFF)
+                    m = stamps[i + 1]
+                    closed[row] = closed[row] | (((m << left) >> right) & 0x3FFFFFFF)
+                i += 2
                 row += 1
-                dy += cell
-            t += 1
-    return served
+            s += high + high
+            t += 30
+    return first
 
 
 @micropython.viper
@@ -177,7 +171,6 @@ def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32
     tail = 0
     t = 0
     while t < 360:
-        rows[t] = rows[t] | 0x20000001
         t += 30
         rows[t - 30] = 0x3FFFFFFF
         rows[t - 1] = 0x3FFFFFFF
@@ -459,10 +452,9 @@ class Field:
         self.cell = length * 8 // 12  # 1/8 mm
         import field_tables
 
-        self._shape = field_tables.shape(width, length, config.avoid_margin, self.cell)
+        self._reach, self._stamps = field_tables.stamps(width, length, config.avoid_margin, self.cell)
         self._steps = field_tables.steps(length, self.cell)
         forget("field_tables")
-        self._trail_radius = width * 4 + self.cell // 2
         self._weight = bytearray(_PLACES)
         self._closed = array("i", [0] * (_N * _TURNS))
         self._tight = array("i", [0] * (_N * _TURNS))
@@ -470,6 +462,9 @@ class Field:
         self._queue = bytearray(2 * _QUEUE)
         self.cost = bytearray(2 * _STATES)
         self._state = array("i", [0, 0, 0])
+        # of the field being made: x, y of the corner (1/8 mm mod 2**16), cell, then what _cover() and _close() have as 3 and 4
+        self._job = array("i", [0, 0, self.cell, 0, _POINTS])
+        self._trail_radius = width * 4 + self.cell // 2
         self._tx = array("H", bytes(2 * _TRAIL_POINTS))
         self._ty = array("H", bytes(2 * _TRAIL_POINTS))
         self._trail = 0  # points laid so far
@@ -482,8 +477,6 @@ class Field:
         self._k = 0
         self.corner_x = 0  # of the field in use, 1/8 mm mod 2**16
         self.corner_y = 0
-        self._next_x = 0
-        self._next_y = 0
         self.ready = False
         self.builds = 0
         self._px = 0
@@ -517,52 +510,35 @@ class Field:
         stage = self._stage
         if stage == 0:
             half = self.cell * (_N // 2)
-            self._next_x = ((odometry.x >> 5) - half) & 0xFFFF
-            self._next_y = ((odometry.y >> 5) - half) & 0xFFFF
+            job = self._job
+            job[0] = ((odometry.x >> 5) - half) & 0xFFFF
+            job[1] = ((odometry.y >> 5) - half) & 0xFFFF
             _clear(self.cost, self._closed, self._tight, self._queue, self._weight)
             self._stage = 1
         elif stage == 1:
-            self._mark_trail()
+            # Ground covered makes dear ground, dearer each time; not what the body still stands on.
+            self._job[3] = self._trail_radius
+            first = self._trail - _TRAIL_POINTS
+            _cover(self._weight, self._tx, self._ty, self._job, first if first > 0 else 0, self._trail - self._trail_gap)
+            self._job[3] = self._reach
             self._k = 0
             self._stage = 2
         elif stage == 2:
-            last = self._k + _POINTS
-            if last > points.count:
-                last = points.count
-            _close(self._closed, self._tight, self._queue, points._fx, points._fy, self._k, last, self._next_x, self._next_y, self._shape, self.cell)
-            self._k = last
-            if last >= points.count:
-                _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state)
+            self._k = _close(self._closed, self._tight, self._stamps, self._queue, points._fx, points._fy, self._k, points.count, self._job)
+            if self._k >= points.count:
                 self._stage = 3
         elif stage == 3:
+            _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state)
+            self._stage = 4
+        elif stage == 4:
             if _spread(self.cost, self._closed, self._tight, self._weight, self._queue, self._steps, self._state, _POSES):
-                self._stage = 4
-        else:
-            self.corner_x = self._next_x
-            self.corner_y = self._next_y
-            self._stage = 0
-            self.ready = True
-            self.builds += 1
-            return True
+                self.corner_x = self._job[0]
+                self.corner_y = self._job[1]
+                self._stage = 0
+                self.ready = True
+                self.builds += 1
+                return True
         return False
-
-    def _mark_trail(self):
-        """Ground covered makes dear ground, dearer each time; not what the body still stands on."""
-        last = self._trail - self._trail_gap
-        first = self._trail - _TRAIL_POINTS
-        if first < 0:
-            first = 0
-        r = self._trail_radius
-        cell = self.cell
-        size = cell * _N
-        i = first
-        while i < last:
-            k = i % _TRAIL_POINTS
-            x = ((self._tx[k] - self._next_x) & 0xFFFF ^ 0x8000) - 0x8000
-            y = ((self._ty[k] - self._next_y) & 0xFFFF ^ 0x8000) - 0x8000
-            if -r < x < size + r and -r < y < size + r:
-                _cover(self._weight, x, y, r, cell, _TRAIL)
-            i += 1
 
     def at(self, x, y, heading):
         """Cost of a pose on the floor (1/8 mm mod 2**16, 0.1 deg), mm, relative to others of this field."""

@@ -9,30 +9,49 @@ _TURNS = const(12)
 _WAYS = ((-1, 1), (0, 1), (1, 1), (-1, 0), (1, 0), (-1, -1), (0, -1), (1, -1))
 
 
-def shape(width, length, margin, cell):
-    """For each orientation the slopes and offsets of the outline's edges, a row of the grid at a time, as field.py closes poses by them.
+def stamps(width, length, margin, cell):
+    """(reach, table): which poses a point closes, for field.py to lay on its rows.
 
-    width, length, margin: mm; cell: 1/8 mm. Poses in which a point comes into the outline proper are dear; closed are only those in which
-    it comes well into it, or narrow passages would close on the grid.
+    width, length, margin: mm; cell: 1/8 mm. A point stands in the middle of one of the four half cells of a place; for each of them, each
+    orientation and each row of the grid from `reach` below the point to `reach` above it, two words with a bit for each column, bit 8 the point's
+    own: poses whose full outline, with the margin, covers the point, and those whose outline made smaller does. Poses in which a point comes into
+    the outline proper are dear; closed are only those in which it comes well into it, or narrow passages would close on the grid.
     """
-    half_width = width * 4
-    half_length = length * 4
-    margin *= 8
-    table = array("i", [0] * 85)
-    far = 1 << 20
-    for t in range(_TURNS):
-        s = sin(t * pi / _TURNS)
-        c = abs(cos(t * pi / _TURNS))
-        b = t * 7
-        upright = t == _TURNS // 2
-        table[b] = 65536 + (0 if upright else round(1024 * tan(t * pi / _TURNS)))
-        table[b + 1] = 65536 + (round(-1024 / tan(t * pi / _TURNS)) if t and not upright else 0)
-        for i, (x, y) in enumerate(((half_width - cell * 3 // 10, half_length - cell * 6 // 10), (half_width + margin, half_length + margin))):
-            table[b + 2 + 2 * i] = far if upright else int(x / c)
-            table[b + 3 + 2 * i] = int(y / s) if t else far
-        table[b + 6] = int((half_length + margin) * c + (half_width + margin) * s)
-    table[84] = half_length + half_width
-    return table
+    full = width * 4 + margin * 8, length * 4 + margin * 8
+    small = width * 4 - cell * 3 // 10, length * 4 - cell * 6 // 10
+    reach = int((full[0] * full[0] + full[1] * full[1]) ** 0.5 / cell + 0.25)
+    table = array("H", bytes(2 * 2 * 4 * _TURNS * (2 * reach + 1)))
+    at = 0
+    for phase in range(4):
+        across = (phase & 1) * 0.5 - 0.25
+        for t in range(_TURNS):
+            s = sin(t * pi / _TURNS)
+            c = cos(t * pi / _TURNS)
+            for row in range(-reach, reach + 1):
+                up = (phase >> 1) * 0.5 - 0.25 - row  # of the point as seen from the pose, cells
+                for half_width, half_length in (full, small):
+                    table[at] = _columns(half_width / cell, half_length / cell, s, c, across, up)
+                    at += 1
+    return reach, table
+
+
+def _columns(half_width, half_length, s, c, across, up):
+    """Bits of the columns in which the outline at sine s, cosine c covers a point `across` and `up` of the pose's place; all in cells."""
+    low, high = -8.0, 7.0
+    for offset, slope, half in ((-up * s, c, half_width), (up * c, s, half_length)):
+        # |offset + slope * d| < half, d being the point's distance to the right of the pose
+        if abs(slope) < 1e-6:
+            if abs(offset) >= half:
+                return 0
+            continue
+        ends = across - (-half - offset) / slope, across - (half - offset) / slope
+        low = max(low, min(ends))
+        high = min(high, max(ends))
+    first = -int(-low) if low < 0 else int(low + 0.999999)
+    last = int(high) if high >= 0 else -int(-high + 0.999999)
+    if first > last:
+        return 0
+    return (1 << (last + 9)) - (1 << (first + 8))
 
 
 def steps(length, cell):

@@ -22,8 +22,8 @@ from micropython import const
 from trig import SIN, sin14, cos14
 
 _STEP_US = const(10_000)  # of Odometry
-_CAPACITY = const(384)
-_HASH = const(1024)
+_CAPACITY = const(320)
+_HASH = const(512)
 
 # Positions in the state buffer shared with the viper functions.
 _COUNT = const(0)
@@ -54,6 +54,7 @@ def _place(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32,
     stamp = state[4]
     rolled = state[5]
     count = state[0]
+    near8 = state[6]
     i = 0
     while i < n:
         d = distances[i]
@@ -85,11 +86,22 @@ def _place(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32,
                 continue
             px = (x0 + dx * i // n + s) & 0xFFFF
             py = (y0 + dy * i // n + c) & 0xFFFF
-            key = (px // size) * 1024 + py // size
-            h = ((px // size) * 37 + (py // size) * 101) & 1023
+            # Far off a cell is four: even rows and columns name it.
+            k = 255
+            if s > near8 or c > near8 or s < 0 - near8 or c < 0 - near8:
+                k = 254
+            key = ((px // size & k) << 8) + (py // size & k)
+            h = (key * 157 >> 5) & 511
             k = index[h]
-            # A slot whose cell is another one (hash collision or recycled) is not this cell.
-            if k != 0xFFFF and k < count and cell[k] == (key & 0xFFFF):
+            free = h
+            probes = 8
+            while probes > 0 and (k == 0xFFFF or cell[k] != key):
+                if index[free] != 0xFFFF:
+                    free = h
+                h = (h + 1) & 511
+                k = index[h]
+                probes -= 1
+            if probes > 0:
                 ex = (((px - fx[k]) & 0xFFFF) ^ 0x8000) - 0x8000
                 ey = (((py - fy[k]) & 0xFFFF) ^ 0x8000) - 0x8000
                 # A sample nearer than the mean pulls four times as hard as a farther one: the tip of a corner
@@ -104,11 +116,14 @@ def _place(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32,
                 fy[k] = (fy[k] + ey) & 0xFFFF
                 frame[k] = stamp
                 travel[k] = rolled
-            elif count < 384:
+            elif count < 320:
+                if index[free] != 0xFFFF:
+                    free = h
                 k = count
                 count += 1
-                index[h] = k
-                cell[k] = key & 0xFFFF
+                if index[free] == 0xFFFF:
+                    index[free] = k
+                cell[k] = key
                 fx[k] = px
                 fy[k] = py
                 frame[k] = stamp
@@ -175,7 +190,7 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32
     size = state[2]
     far8 = state[1]
     near8 = far8 * 3 >> 3  # two thirds of a body length
-    patience = (384 - count) * 4
+    patience = (320 - count) * 4
     k = 0
     while k < count:
         px = (((fx[k] - x) & 0xFFFF) ^ 0x8000) - 0x8000
@@ -185,7 +200,7 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32
             gone = 1
         elif ((rolled - travel[k]) & 0xFFFF) > keep:
             gone = 1
-        elif count > 300 and ((stamp - frame[k]) & 0xFFFF) > patience and (px > near8 or py > near8 or px < 0 - near8 or py < 0 - near8):
+        elif count > 250 and ((stamp - frame[k]) & 0xFFFF) > patience and (px > near8 or py > near8 or px < 0 - near8 or py < 0 - near8):
             # Room runs out: what is out of sight and out of reach goes first, or there would be none for what comes.
             gone = 1
         elif frame[k] != stamp:
@@ -229,14 +244,28 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32
                         if r2 < near * near:
                             gone = 1
         if gone:
+            h = (cell[k] * 157 >> 5) & 511
+            j = 0
+            while j < 9:
+                if index[h] == k:
+                    index[h] = 0xFFFF
+                    j = 9
+                h = (h + 1) & 511
+                j += 1
             count -= 1
+            h = (cell[count] * 157 >> 5) & 511
+            j = 0
+            while j < 9:
+                if index[h] == count:
+                    index[h] = k
+                    j = 9
+                h = (h + 1) & 511
+                j += 1
             fx[k] = fx[count]
             fy[k] = fy[count]
             cell[k] = cell[count]
             frame[k] = frame[count]
             travel[k] = travel[count]
-            # The last slot moved here. The index may still name the dropped one: its cell no longer agrees.
-            index[((fx[k] // size) * 37 + (fy[k] // size) * 101) & 1023] = k
         else:
             k += 1
     state[0] = count
@@ -277,7 +306,7 @@ class Surroundings:
         self._travel = array("H", bytes(2 * _CAPACITY))
         self._index = array("H", b"\xff\xff" * _HASH)
         self._pose = array("i", [0] * 6)
-        self._state = array("i", [0, far8, length * 8 // 30, min(far8 * 7 // 10, 32000), 0, 0])
+        self._state = array("i", [0, far8, length * 8 // 30, min(far8 * 7 // 10, 32000), 0, 0, length * 8])
 
     @property
     def count(self):

@@ -6,7 +6,7 @@ from config import Config
 from rooms import FRAMES, Sight, Still
 from surroundings import Surroundings
 
-_MOST = 384
+_MOST = 320
 
 
 class _Memory:
@@ -72,7 +72,7 @@ def test_it_is_given_up_after_a_long_way():
 def test_what_is_seen_past_is_dropped():
     memory = _Memory()
     memory.look(_post(500), 2)
-    memory.look(_post(900, 900), 3)
+    memory.look(_post(900, 900), 14)
     for x, y in memory.seen():
         assert x * x + y * y > 800 * 800
 
