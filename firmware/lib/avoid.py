@@ -27,7 +27,7 @@ _NODES = const(6)
 _NOTHING = const(65535)
 _NO_POINT = const(32767)
 _LEFT_SIDE = const(1000)
-_SLICE = const(1300)  # candidate tests in one slice
+_SLICE = const(1700)  # candidate tests in one slice
 _PATIENCE = const(5)  # times backing up on the same ground
 
 # Stages of a decision.
@@ -170,11 +170,10 @@ class Avoid:
         count = env.count
         self.free_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
         self.soft_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
-        self.block_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
+        self._block = array("H", bytes(2 * count))  # of what was swept last
         self._score = tuple(array("H", b"\xff" * (2 * count * LENGTHS)) for _ in range(4))
         self._free2 = array("H", bytes(2 * count))
         self._soft2 = array("H", bytes(2 * count))
-        self._block2 = array("H", bytes(2 * count))
         self._score2 = self._score[0]  # done with by then
         self._sweep = Sweep(env)
         self._ends_job = array("i", [0] * 11)
@@ -186,6 +185,7 @@ class Avoid:
         self._node = 0
         self._n = 0
         self._near = 0
+        self._n2 = self._near2 = self._left2 = 0  # the same, as seen from the end of a first move
         self._stage = _FIELD
         self._next = 0  # of what a stage has cut into slices
         self._swing = self.envelopes.half_width + self.envelopes.soft + self.envelopes.half_length // 2
@@ -215,6 +215,9 @@ class Avoid:
         self._ready = 0
         self._watched = 0
         self._urgent = 0
+        self._at_x = self._at_y = self._at_heading = 0
+        self._guarded = -1  # frame on which the present steering was looked at last
+        self._followed = -1  # frame on which the plan was
         self.reset_decision()
         self.decisions = 0
         self.configure()
@@ -254,13 +257,13 @@ class Avoid:
         """Look at every frame: True, and v = 90, when the way being driven is no longer free as far as it takes to stop at `speed` mm/s."""
         self._look(odometry)
         free = self._current_free()
+        self._guarded = self._ready
         self.free = free
         # What rolls out in the motors' time constant, and a little.
         if free >= speed // 9:
             return False
         self.v = 90
         self.why = reasons.BLOCKED
-        self._urgent = self.windows.sort(self._x, self._y, self._n)
         self._plan = 0
         self._stage = _IDLE
         self._tell()
@@ -269,7 +272,6 @@ class Avoid:
     def watch(self, odometry, why, af, ar, v):
         """Somebody else decides: keep the points and windows up to date, and say why."""
         self._look(odometry)
-        self._urgent = self.windows.sort(self._x, self._y, self._n)
         self._plan = 0
         self._stage = _FIELD
         self.af = af
@@ -285,9 +287,11 @@ class Avoid:
             self._tell()
 
     def _look(self, odometry):
+        """The points as the body sees them now, those near the outline first, and the window of each."""
         env = self.envelopes
         n = self.points.view(odometry, self._x, self._y, self.look_ahead + env.half_length)
-        self._near = sort_near(self._x, self._y, n, env.half_width, env.half_length, env.soft + BAND_MM)
+        self._urgent = self.windows.sort(self._x, self._y, n, env.soft + BAND_MM)
+        self._near = self.windows.near
         self._n = n
 
     def _current_free(self):
@@ -296,7 +300,7 @@ class Avoid:
         self._run(v, k, k + 1, 1, 0)
         return self.free_of[v][k]
 
-    def _run_some(self, variant, odometry):
+    def _run_some(self, variant):
         """Sweep and value the next candidates of one variant, as many as a slice allows. True when all are done."""
         env = self.envelopes
         first = self._next
@@ -309,7 +313,6 @@ class Avoid:
             last = min(last, env.ahead_end)
         last = min(last, env.count)
         self._run(variant, first, last, 1, env.lengths[0])
-        self._grid(odometry, 0, 0, 0)
         self._worth(variant, self.free_of[variant], self.soft_of[variant], self._score[variant], first, last, 1, self.af, self.ar, 150 if variant & 2 else 0)
         self._next = last
         if last < env.count:
@@ -325,9 +328,11 @@ class Avoid:
         if variant & 2:
             mirror(self._y, n)
         env = self.envelopes
-        left = drop_behind(self._x, self._y, self._near, n, env.half_length + env.soft, self._swing)
+        left = n
+        if last - first > 2:
+            left = drop_behind(self._x, self._y, self._near, n, env.half_length + env.soft, self._swing)
         self._sweep.run(self._x, self._y, left, self._near, first, last, stride, floor, self.free_of[variant],
-                       self.soft_of[variant], self.block_of[variant])
+                       self.soft_of[variant], self._block)
         if variant & 1:
             mirror(self._x, n)
         if variant & 2:
@@ -335,21 +340,29 @@ class Avoid:
 
     # ---- worth
 
-    def _grid(self, odometry, x, y, heading):
-        """Set the score job to a body pose: x, y (mm) and heading (0.1 deg) relative to the body now."""
+    def _stand_here(self, odometry):
+        """The pose from which the decision that begins now looks at everything."""
+        self._at_x = odometry.x >> 5
+        self._at_y = odometry.y >> 5
+        self._at_heading = (odometry.heading + 50) // 100
+        self._grid(0, 0, 0)
+
+    def _grid(self, x, y, heading):
+        """Set the score job to a body pose: x, y (mm) and heading (0.1 deg) relative to the pose of the decision."""
         field = self.field
         job = self._ends_job
-        a = (odometry.heading + 50) // 100
+        a = self._at_heading
         s = sin14(a)
         c = cos14(a)
-        wx = (odometry.x >> 5) + ((x * c + y * s) >> 11)
-        wy = (odometry.y >> 5) + ((y * c - x * s) >> 11)
+        wx = self._at_x + ((x * c + y * s) >> 11)
+        wy = self._at_y + ((y * c - x * s) >> 11)
+        a += heading
         job[0] = ((wx - field.corner_x) & 0xFFFF ^ 0x8000) - 0x8000
         job[1] = ((wy - field.corner_y) & 0xFFFF ^ 0x8000) - 0x8000
-        job[2] = sin14(a + heading) + 16384
-        job[3] = cos14(a + heading) + 16384
+        job[2] = sin14(a) + 16384
+        job[3] = cos14(a) + 16384
         job[6] = field.cell
-        job[10] = a + heading
+        job[10] = a
 
     def _worth(self, variant, free, soft, score, first, last, stride, af, ar, extra):
         env = self.envelopes
@@ -373,10 +386,6 @@ class Avoid:
         job[9] = extra
         _weigh(score, free, soft, env.af, env.ar, env.lengths, job)
 
-    def _here(self, odometry):
-        """Cost-to-leave of the body where it is, mm."""
-        return self.field.at(odometry.x >> 5, odometry.y >> 5, (odometry.heading + 50) // 100)
-
     # ---- the decision, slice by slice
 
     def work(self, odometry):
@@ -398,23 +407,28 @@ class Avoid:
             if self._ready < 20 or not self._worth_waiting(odometry):
                 self._stage = _FIELD
                 return False
-            self._begin(odometry)
+            if self._guarded != self._ready:
+                self._look(odometry)
+                if self._plan:
+                    self.free = self._current_free()
+                self._guarded = self._ready
             if self._plan and self._follow(odometry):
                 return self._publish()
+            self._stand_here(odometry)
             self._stage = _RIGHT
             self._next = 0
             return False
         env = self.envelopes
         if stage == _RIGHT or stage == _LEFT:
-            if self._run_some(stage - _RIGHT, odometry):
+            if self._run_some(stage - _RIGHT):
                 self._stage = stage + 1
             return False
         if stage == _CHOOSE:
-            self._grid(odometry, 0, 0, 0)
-            if self._choose_one(odometry):
+            if self._choose_one():
                 self._stage = _IDLE
                 self._decided_travel = odometry.travel256
                 self._decided_frame = self._ready
+                self.free = self._current_free()
                 return self._publish()
             # This takes longer. With little way left the robot stands meanwhile.
             self._stage = _BACK_RIGHT
@@ -426,7 +440,7 @@ class Avoid:
                 return True
             return False
         if stage == _BACK_RIGHT or stage == _BACK_LEFT:
-            if self._run_some(stage - _BACK_RIGHT + 2, odometry):
+            if self._run_some(stage - _BACK_RIGHT + 2):
                 self._stage = stage + 1
             return False
         if stage == _NODE_PICK:
@@ -434,7 +448,7 @@ class Avoid:
             self._stage = _EXPAND if self._nodes else _SETTLE
             return False
         if stage == _EXPAND:
-            if self._expand(odometry):
+            if self._expand():
                 self._node += 1
                 if self._node >= self._nodes:
                     self._stage = _SETTLE
@@ -443,11 +457,20 @@ class Avoid:
         self._travel256 = odometry.travel256
         self._settle(odometry)
         self._count_reversals(odometry, self._variant > 1)
+        # Anew for this one: sorting for other candidates has moved the points about.
+        room = self._current_free()
+        if self._limit > 0:
+            self.free = room
         return self._publish()
 
     def _resting(self, odometry):
-        """Whether the last single move is still fresh: the guard watches it, and a few millimetres on nothing has changed."""
-        if self._plan or self.v == 90:
+        """Whether there is nothing to decide: a plan that has been looked at on this frame, or a single move that is still fresh.
+
+        The guard watches both, and a few millimetres on nothing has changed.
+        """
+        if self._plan:
+            return self._followed == self._ready and self._left(odometry) > 4
+        if self.v == 90:
             return False
         rolled = (odometry.travel256 - self._decided_travel) & 0x3FFFFFF
         return rolled < self.look_ahead * 5 and self._ready - self._decided_frame < 8
@@ -464,9 +487,9 @@ class Avoid:
         near = self.look_ahead // 10
         return dx * dx + dy * dy < near * near and turned < 8000 and self._ready - self._field_frame < 40
 
-    def _begin(self, odometry):
-        self._look(odometry)
-        self._urgent = self.windows.sort(self._x, self._y, self._n)
+    def _left(self, odometry):
+        """What is left of the move of the plan that is being driven, mm."""
+        return (((self._until - odometry.travel256) & 0x3FFFFFF ^ 0x2000000) - 0x2000000) >> 8
 
     def _against(self, variant, at):
         """What it costs, mm, that the nose does not point where the way leads on, after travel `at` from the pose of the score job.
@@ -497,7 +520,7 @@ class Avoid:
             return 0
         return loss if loss < 2 * ahead else 2 * ahead
 
-    def _choose_one(self, odometry):
+    def _choose_one(self):
         """Take the best single move if it gets on well."""
         score0 = self._score[0]
         score1 = self._score[1]
@@ -506,7 +529,7 @@ class Avoid:
         b = _best(score1, 0, count, 1)
         value_a = score0[a] if a != _NOTHING else 65535
         value_b = score1[b] if b != _NOTHING else 65535
-        here = self._here(odometry)
+        here = self.field.at(self._at_x, self._at_y, self._at_heading)
         variant = 0
         # Which of the two sides, is told by where the nose points afterwards: the field knows no front from rear.
         against_a = self._against(0, a) if a != _NOTHING else 0
@@ -573,7 +596,7 @@ class Avoid:
         self._best_value = 65535
         self._best_node = 0
 
-    def _expand(self, odometry):
+    def _expand(self):
         """Second moves from where a node ends, right and left, a slice of candidates at a time. True after the last.
 
         Every other point and candidate does: the second move is looked at again, with all of them, before it is driven.
@@ -582,24 +605,28 @@ class Avoid:
         v = self._node_variant[self._node]
         at = self._node_at[self._node]
         k = at // LENGTHS
-        x = env.ends[at * 2] - 8192
-        y = env.ends[at * 2 + 1] - 8192
-        turn = env.turns[at]
-        if v & 1:
-            x = -x
-            turn = -turn
-        if v & 2:
-            y = -y
-            turn = -turn
-        self.points_count = -1  # for now there are none for others
-        n = move(self._x, self._y, self._n, x, y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, self._nx, self._ny, 2)
-        near = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.soft + BAND_MM)
         second = 1 if self._next >= _LEFT_SIDE else 0
         first = self._next - second * _LEFT_SIDE
-        if second:
-            mirror(self._nx, n)
-        n = drop_behind(self._nx, self._ny, near, n, env.half_length + env.soft, self._swing)
-        self._grid(odometry, x, y, turn)
+        if first == 0:
+            if second:
+                mirror(self._nx, self._n2)
+            else:
+                x = env.ends[at * 2] - 8192
+                y = env.ends[at * 2 + 1] - 8192
+                turn = env.turns[at]
+                if v & 1:
+                    x = -x
+                    turn = -turn
+                if v & 2:
+                    y = -y
+                    turn = -turn
+                self.points_count = -1  # for now there are none for others
+                n = move(self._x, self._y, self._n, x, y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, self._nx, self._ny, 2)
+                self._near2 = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.soft + BAND_MM)
+                self._n2 = n
+                self._grid(x, y, turn)
+            self._left2 = drop_behind(self._nx, self._ny, self._near2, self._n2, env.half_length + env.soft, self._swing)
+        n = self._left2
         a = env.af[k]
         r = env.ar[k]
         if v == 1:
@@ -615,7 +642,7 @@ class Avoid:
             first = env.arcs
         stride = 2 if first < env.arcs else 1
         last = min(first + stride * (_SLICE // (n + 16) + 1), env.ahead_end if stride == 2 else env.count)
-        self._sweep.run(self._nx, self._ny, n, near, first, last, stride, env.lengths[1], self._free2, self._soft2, self._block2)
+        self._sweep.run(self._nx, self._ny, n, self._near2, first, last, stride, env.lengths[1], self._free2, self._soft2, self._block)
         self._worth(second, self._free2, self._soft2, self._score2, first, last, stride, a, r, 60)
         b = _best(self._score2, first, last, stride)
         if b != _NOTHING:
@@ -718,8 +745,8 @@ class Avoid:
 
     def _follow(self, odometry):
         """Go on with the plan if the points still allow it. Returns False when it is over."""
-        left = ((self._until - odometry.travel256) & 0x3FFFFFF ^ 0x2000000) - 0x2000000
-        left >>= 8
+        left = self._left(odometry)
+        self._followed = self._ready
         env = self.envelopes
         if left <= 4:
             if self._plan == 1 and self._second_k >= 0:
@@ -735,11 +762,9 @@ class Avoid:
                     return True
             self._plan = 0
             return False
-        free = self._current_free()
-        if free < min(left, 2 * env.lengths[0]) - 10:
+        if self.free < min(left, 2 * env.lengths[0]) - 10:
             self._plan = 0
             return False
-        self.free = free
         self._limit = left
         return True
 
@@ -748,10 +773,7 @@ class Avoid:
         env = self.envelopes
         v = self._variant
         k = self._k
-        # Anew for this one: sorting for other candidates has moved the points about.
-        room = self._current_free()
-        if self._limit > 0:
-            self.free = room
+        room = self.free
         if self._limit < room:
             room = self._limit
         cruise = self.cruise - 90
@@ -768,7 +790,7 @@ class Avoid:
         if self._limit <= 0 or room <= 0:
             speed = 0
         self.v = 90 - speed if v & 2 else 90 + speed
-        b = self.block_of[v][k]
+        b = self._block[k]
         if b == 65535:
             self.block_x = _NO_POINT
             self.block_y = _NO_POINT
@@ -782,7 +804,7 @@ class Avoid:
         """Count the decision and lay out what belongs to it for those who look on."""
         w = self._urgent
         self.window = w
-        self.zone = self.windows.zone(w) if w else NO_ZONE
+        self.zone = self.windows.zone()
         self.mode = _mode(self.af, self.ar)
         self.decisions += 1
         n = self._n

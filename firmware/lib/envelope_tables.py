@@ -11,7 +11,7 @@ from micropython import const
 _BIAS = const(8192)
 _BINS = const(24)
 _LENGTHS = const(5)
-_STRIDE = const(12)
+_STRIDE = const(13)
 
 # Fields of a candidate's constants.
 _XC = const(0)
@@ -20,12 +20,13 @@ _IN_SOFT = const(2)
 _OUT_SOFT = const(3)
 _IN = const(4)
 _OUT = const(5)
-_R_IN = const(6)
+_BIN_SHIFT = const(6)
 _BIN_SCALE = const(7)
 _ANGLE_MAX = const(8)
 _TURN_MM = const(9)
 _REF = const(10)
 _SECOND = const(11)  # of its bins with a second entry: place in `seconds` << 10 | first << 5 | how many
+_FRONT = const(12)  # least of all entries, and a little: no ring enters the outline farther on
 
 
 
@@ -116,22 +117,27 @@ def _fill_arc(env, k, margin, soft):
     c[b + _OUT_SOFT] = int(s_out * s_out) + 1
     c[b + _IN] = int(r_in * r_in)
     c[b + _OUT] = int(r_out * r_out) + 1
-    c[b + _R_IN] = int(r_in)
-    # bins: (d - r_in) in 1/16 mm * scale >> 12 = bin in 1/256
-    scale = int(_BINS * 65536 / (r_out - r_in))
+    # Bins are even in d * d: (d * d - r_in * r_in >> shift) * scale >> 12 = bin in 1/256, with both factors below 2**15.
+    span = c[b + _OUT] - c[b + _IN]
+    shift = 0
+    while span >> shift >= 32768:
+        shift += 1
+    c[b + _BIN_SHIFT] = shift
+    scale = _BINS * 1048576 // (span >> shift)
     c[b + _BIN_SCALE] = scale
     c[b + _TURN_MM] = int(2 * pi * ref)
     c[b + _ANGLE_MAX] = min(int(env.look_ahead * 65536 / (2 * pi * ref)), 60000)
     c[b + _REF] = int(ref)
     hw = env.half_width + margin
     hl = env.half_length + margin
-    width = 65536 / scale
+    width = 1048576 / scale * (1 << shift)  # of a bin, square mm
     table = env.table
+    front = 65535
     again = []  # (first, last) from the first bin on that has two entries
     second_bin = 0
     for j in range(_BINS):
-        low = _entries(env, xc, yc, hw, hl, int(r_in) + (j + 0.02) * width)
-        high = _entries(env, xc, yc, hw, hl, int(r_in) + (j + 0.98) * width)
+        low = _entries(env, xc, yc, hw, hl, sqrt(c[b + _IN] + (j + 0.02) * width))
+        high = _entries(env, xc, yc, hw, hl, sqrt(c[b + _IN] + (j + 0.98) * width))
         if not low:
             low = high
         if not high:
@@ -140,10 +146,18 @@ def _fill_arc(env, k, margin, soft):
         if low:
             first = low[0], high[0]
             last = low[-1], high[-1]
+            middle = _entries(env, xc, yc, hw, hl, sqrt(c[b + _IN] + (j + 0.5) * width))
+            if len(middle) == len(low) == len(high):
+                # Where the outline bends towards the point a straight line would come late.
+                first = _not_late(first, middle[0])
+                last = _not_late(last, middle[-1])
             if len(low) != len(high):  # a second arc begins within the bin
                 both = low if len(low) > len(high) else high
                 first = both[0], both[0]
                 last = both[-1], both[-1]
+        for value in first + last:
+            if 0 < value < front:
+                front = value
         t = (k * _BINS + j) * 4
         for value in first:
             table[t] = value & 0xFF
@@ -153,12 +167,19 @@ def _fill_arc(env, k, margin, soft):
             second_bin = j
         if last != first or again:
             again.append((first, last))
+    c[b + _FRONT] = front - 200
     while again and again[-1][0] == again[-1][1]:
         again.pop()
     c[b + _SECOND] = len(env.seconds) << 10 | second_bin << 5 | len(again)
     for _, last in again:
         env.seconds.append(last[0])
         env.seconds.append(last[1])
+
+
+def _not_late(ends, middle):
+    """Both ends of a bin moved so that the line between them does not pass its middle."""
+    late = (ends[0] + ends[1]) // 2 - middle
+    return (ends[0] - late, ends[1] - late) if late > 0 else ends
 
 
 def _ring(env, xc, yc, margin):

@@ -80,7 +80,7 @@ class Robot:
         if avoid.v != 90:
             speed = drive.v256 * self.config.motors_full_speed // (90 * 256)
             if avoid.guard(self.odometry, -speed if speed < 0 else speed):
-                drive.command(avoid.af, avoid.ar, 90)
+                drive.stop()  # at once: the next servo period may be 20 ms off
 
     def _decide(self):
         """One slice of the decision."""

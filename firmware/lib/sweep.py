@@ -2,17 +2,18 @@
 
 A point at distance d from the turning centre is met when the ring of radius d, followed against the turn, leads from the point into the
 body's outline. Where that happens depends on d alone and stands in the tables of envelope.py; a test is one squared distance, and for the
-few points inside the ring a square root, an arc tangent and a look-up. With the centre at infinity (straight and crab) the ring is a strip
-and the outline two slopes.
+few points inside the ring, and not beyond where the body is stopped already, an arc tangent and a look-up. With the centre at
+infinity (straight and crab) the ring is a strip and the outline two slopes.
 
 Coordinates: body frame, mm + 8192 (never negative). Lengths: travel of the fastest wheel, mm.
 """
 
 from array import array
-from math import atan, pi, sqrt
+from math import atan, pi
 
 import micropython
 from micropython import const
+from trig import SIN
 
 # Fields of the job: what to test against what.
 _NEAR = const(0)
@@ -45,8 +46,6 @@ def _table(size, of):
 
 # arc tangent of 0..1 in 1/1024, unit 1/65536 turn
 ATAN = _table(1025, lambda i: atan(i / 1024) * 32768 / pi)
-# square root of 0..255, * 256: only 64..255 are looked up
-ROOT = _table(256, lambda i: sqrt(i + 0.5) * 256)
 
 
 @micropython.viper
@@ -133,7 +132,8 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
     A candidate found to be shorter than job[_FLOOR] is given up at once.
     """
     atan = ptr16(ATAN)
-    root = ptr16(ROOT)
+    sine = ptr32(SIN)
+    last_block = 65535
     near = job[0]
     n = job[1]
     k = job[2]
@@ -149,18 +149,19 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
     tests = job[9]
     hits = job[10]
     while k < last:
-        base = k * 12
+        base = k * 13
         xc = consts[base]
         yc = consts[base + 1]
         in_soft = consts[base + 2]
         out_soft = consts[base + 3]
         r2_in = consts[base + 4]
         r2_out = consts[base + 5]
-        r_in = consts[base + 6]
+        shift = consts[base + 6]
         scale = consts[base + 7]
         turn_mm = consts[base + 9]
         ref = consts[base + 10]
         second = consts[base + 11]
+        front = consts[base + 12]
         second_bin = (second >> 5) & 31
         second_bins = second & 31
         second = second >> 10
@@ -222,71 +223,85 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
         bottom = (floor << 16) // turn_mm
         if limit >= bottom:
             row = k * 48
-            i = 0
-            while i < n:
-                dx = px[i] - xc
-                dy = py[i] - yc
-                d2 = dx * dx + dy * dy
-                if d2 > in_soft and d2 < out_soft:
-                    hits += 1
-                    ax = dx
-                    if dx < 0:
-                        ax = 0 - dx
-                    ay = dy
-                    if dy < 0:
-                        ay = 0 - dy
-                    if ax >= ay:
-                        phi = atan[(ay << 10) // ax]
+            # What stopped the candidate before is likely to stop this one: it comes first, and what lies beyond need not be looked at.
+            i = n - 1
+            if last_block < i and last_block >= near:
+                x = px[last_block]
+                px[last_block] = px[i]
+                px[i] = x
+                x = py[last_block]
+                py[last_block] = py[i]
+                py[i] = x
+            while i >= 0:
+                # Ray from the centre along the body's front after `limit`, sine and cosine * 2**10; none where half a turn is too little.
+                ray_s = 0
+                ray_c = 0
+                phi = front - limit
+                if phi > 16384:
+                    phi = (phi * 225) >> 12  # 0.1 deg
+                    if phi <= 1800:
+                        ray_c = 0 - (sine[phi - 900] >> 20)
+                        ray_s = sine[1800 - phi] >> 20
                     else:
-                        phi = 16384 - atan[(ax << 10) // ay]
-                    if dx < 0:
-                        phi = 32768 - phi
-                    if dy < 0:
-                        phi = 65536 - phi
-                    # square root by normalising to 64..255
-                    v = d2
-                    shift = 0
-                    if v >= 1048576:
-                        v = v >> 12
-                        shift = 6
-                    if v >= 16384:
-                        v = v >> 6
-                        shift += 3
-                    if v >= 1024:
-                        v = v >> 4
-                        shift += 2
-                    if v >= 256:
-                        v = v >> 2
-                        shift += 1
-                    pos = d2 - r2_in
-                    if pos < 0:
-                        pos = 0
-                    # d - r_in in 1/16 mm = (d2 - r2_in) / (d + r_in): the rough root hardly shows
-                    pos = (pos << 4) // (((root[v] << shift) >> 8) + r_in)
-                    pos = (pos * scale) >> 12  # bin in 1/256
-                    if pos > 6143:
-                        pos = 6143
-                    bin = pos >> 8
-                    pos = pos & 255
-                    j = row + bin + bin
-                    e = table[j]
-                    h = (e + (((table[j + 1] - e) * pos) >> 8) - phi) & 0xFFFF
-                    bin -= second_bin
-                    if bin >= 0 and bin < second_bins:
-                        # the ring enters the outline a second time
-                        j = second + bin + bin
-                        e = seconds[j]
-                        e = (e + (((seconds[j + 1] - e) * pos) >> 8) - phi) & 0xFFFF
-                        if e < h:
-                            h = e
-                    if h < soft_limit:
-                        soft_limit = h
-                    if h < limit and d2 > r2_in and d2 < r2_out:
-                        limit = h
-                        block = i
-                        if limit < bottom:
-                            i = n
-                i += 1
+                        ray_c = 0 - (sine[2700 - phi] >> 20)
+                        ray_s = 0 - (sine[phi - 1800] >> 20)
+                while i >= 0:
+                    dx = px[i] - xc
+                    dy = py[i] - yc
+                    d2 = dx * dx + dy * dy
+                    if d2 <= in_soft:
+                        i -= 1
+                        continue
+                    if d2 >= out_soft:
+                        i -= 1
+                        continue
+                    if ray_c * dy >= ray_s * dx:
+                        hits += 1
+                        ax = dx
+                        if dx < 0:
+                            ax = 0 - dx
+                        ay = dy
+                        if dy < 0:
+                            ay = 0 - dy
+                        if ax >= ay:
+                            phi = atan[(ay << 10) // ax]
+                        else:
+                            phi = 16384 - atan[(ax << 10) // ay]
+                        if dx < 0:
+                            phi = 32768 - phi
+                        if dy < 0:
+                            phi = 65536 - phi
+                        # bins are even in the square of the distance: no root is needed
+                        pos = d2 - r2_in
+                        if pos < 0:
+                            pos = 0
+                        pos = ((pos >> shift) * scale) >> 12  # bin in 1/256
+                        if pos > 6143:
+                            pos = 6143
+                        bin = pos >> 8
+                        pos = pos & 255
+                        j = row + bin + bin
+                        e = table[j]
+                        h = (e + (((table[j + 1] - e) * pos) >> 8) - phi) & 0xFFFF
+                        bin -= second_bin
+                        if bin >= 0 and bin < second_bins:
+                            # the ring enters the outline a second time
+                            j = second + bin + bin
+                            e = seconds[j]
+                            e = (e + (((seconds[j + 1] - e) * pos) >> 8) - phi) & 0xFFFF
+                            if e < h:
+                                h = e
+                        if h < soft_limit:
+                            soft_limit = h
+                        if h < limit and d2 > r2_in and d2 < r2_out:
+                            limit = h
+                            block = i
+                            if limit < bottom:
+                                i = 0
+                            break
+                    i -= 1
+                i -= 1
+            last_block = block
             tests += n
         free[k] = (limit * turn_mm) >> 16
         soft[k] = (soft_limit * turn_mm) >> 16

@@ -26,89 +26,84 @@ NO_ZONE = const(255)
 
 
 @micropython.viper
-def _sort(px: ptr16, py: ptr16, n: int, size: ptr32, window: ptr8, counts: ptr16, nearest: ptr32):
-    """size: half width, half length, red, blue, side, look-ahead (mm); nearest: gap + 1000, index of the nearest point per window."""
+def _sort(px: ptr16, py: ptr16, n: int, size: ptr32, window: ptr8, band: int) -> int:
+    """The window of each point; those nearer than band mm to the outline come to the front. Returns how many these are.
+
+    size: half width, half length, red, blue, side, look-ahead (mm); then gap + 1000 (0 none), x, y of the nearest point in any window
+    """
     hw = size[0]
     hl = size[1]
     red = size[2]
     blue = size[3]
     side = size[4]
     ahead = size[5]
-    i = 0
-    while i < 50:
-        counts[i] = 0
-        i += 1
-    i = 0
-    while i < 5:
-        nearest[2 * i] = 65535
-        i += 1
+    best = 30000
+    near = 0
     i = 0
     while i < n:
-        x = px[i] - 8192
-        y = py[i] - 8192
-        ax = x
-        if x < 0:
-            ax = 0 - x
-        ay = y
-        if y < 0:
-            ay = 0 - y
-        gx = ax - hw
-        gy = ay - hl
+        x = px[i]
+        y = py[i]
+        gx = x - 8192
+        if gx < 0:
+            gx = 0 - gx
+        gy = y - 8192
+        if gy < 0:
+            gy = 0 - gy
+        gx -= hw
+        gy -= hl
         gap = gx
         if gy > gx:
             gap = gy
-        if gap <= 0:
+        w = 0
+        if gap >= blue:
+            if gx < side:
+                if gy < ahead:
+                    w = 4
+        elif gap <= 0:
             w = 1
         elif gap < red:
             w = 2
-        elif gap < blue:
-            w = 3
-        elif gx < side and gy < ahead:
-            w = 4
         else:
-            w = 0
-        window[i] = w
+            w = 3
         if w:
-            if gy > 0:
-                if gx > 0:
-                    if y > 0:
-                        z = 1
-                        if x < 0:
-                            z = 9
-                    else:
-                        z = 4
-                        if x < 0:
-                            z = 6
-                else:
-                    z = 0
-                    if y < 0:
-                        z = 5
-            elif x > 0:
-                z = 2
-                if y < 0:
-                    z = 3
-            else:
-                z = 8
-                if y < 0:
-                    z = 7
-            counts[w * 10 + z] += 1
-            if gap + 1000 < nearest[2 * w]:
-                nearest[2 * w] = gap + 1000
-                nearest[2 * w + 1] = (z << 16) + i
+            if gap < best:
+                best = gap
+                size[7] = x
+                size[8] = y
+        if gap < band:
+            px[i] = px[near]
+            py[i] = py[near]
+            window[i] = window[near]
+            px[near] = x
+            py[near] = y
+            window[near] = w
+            near += 1
+        else:
+            window[i] = w
         i += 1
+    size[6] = 0
+    if best < 30000:
+        size[6] = best + 1000
+    return near
 
 
 class Windows:
-    """Sorts points into windows and zones. `counts[10 * window + zone]` points each; `window[i]` of each point."""
+    """Sorts points into windows.
+
+    window    bytearray: window of each point sorted last
+    near      how many of them lie nearer to the outline than the band
+    urgent    the most urgent window that has a point, NONE if none has
+    """
 
     def __init__(self, config, capacity):
         self.window = bytearray(capacity)
-        self.counts = array("H", bytes(100))
-        self._nearest = array("i", [0] * 10)
-        self._size = array("i", [0] * 6)
+        self.near = 0
+        self.urgent = NONE
+        self._size = array("i", [0] * 9)
         self.configure(config)
 
     def configure(self, config):
+        """Take over margins that may have been tuned."""
         size = self._size
         size[0] = config.robot_width // 2
         size[1] = config.robot_length // 2
@@ -117,23 +112,35 @@ class Windows:
         size[4] = config.windows_side
         size[5] = config.windows_look_ahead
 
-    def sort(self, px, py, n):
-        """Classify n points (body frame, mm + 8192). Returns the most urgent window that has one: 1..4, 0 none."""
-        _sort(px, py, n, self._size, self.window, self.counts, self._nearest)
-        near = self._nearest
-        for w in (GREEN, RED, BLUE, YELLOW):
-            if near[2 * w] != 65535:
-                return w
-        return NONE
+    def sort(self, px, py, n, band=-1000):
+        """Classify n points (body frame, mm + 8192), those nearer than band mm to the outline first. Returns `urgent`."""
+        size = self._size
+        self.near = _sort(px, py, n, size, self.window, band)
+        gap = size[6] - 1000
+        if gap == -1000:
+            self.urgent = NONE
+        elif gap <= 0:
+            self.urgent = GREEN
+        elif gap < size[2]:
+            self.urgent = RED
+        else:
+            self.urgent = BLUE if gap < size[3] else YELLOW
+        return self.urgent
 
-    def gap(self, w):
-        """Distance of the window's nearest point from the body, mm."""
-        return self._nearest[2 * w] - 1000
+    def zone(self):
+        """Zone of the point nearest to the body of those in a window; NO_ZONE if there is none."""
+        size = self._size
+        return self.zone_of(size[7] - 8192, size[8] - 8192) if size[6] else NO_ZONE
 
-    def zone(self, w):
-        """Zone of the window's nearest point."""
-        return self._nearest[2 * w + 1] >> 16
-
-    def point(self, w):
-        """Index of the window's nearest point."""
-        return self._nearest[2 * w + 1] & 0xFFFF
+    def zone_of(self, x, y):
+        """Zone of a point outside the outline, mm in the body frame; one inside counts to the nearer end's side."""
+        size = self._size
+        if abs(y) > size[1]:
+            if abs(x) <= size[0]:
+                return 0 if y > 0 else 5
+            if x > 0:
+                return 1 if y > 0 else 4
+            return 9 if y > 0 else 6
+        if x > 0:
+            return 2 if y >= 0 else 3
+        return 8 if y >= 0 else 7

@@ -34,4 +34,4 @@ def test_ten_zones_clockwise():
     around = ((0, 330), (155, 330), (155, 100), (155, -100), (155, -330), (0, -330), (-155, -330), (-155, -100), (-155, 100), (-155, 330))
     for zone, point in enumerate(around):
         assert _sort(point)[0] == BLUE
-        assert _windows.zone(BLUE) == zone, point
+        assert _windows.zone() == zone, point

@@ -90,14 +90,18 @@ class Scanning:
                     n += 1
         self.points_count = n
         self.window = self.windows.sort(self._px, self._py, n)
-        self.zone = self.windows.zone(self.window) if self.window else NO_ZONE
+        self.zone = self.windows.zone()
         self.decide()
         self.decisions += 1
         return True
 
     def within(self, windows, zones):
         """Number of points in any of the zones of any of the windows."""
-        return sum(self.windows.counts[10 * w + z] for w in windows for z in zones)
+        found = 0
+        for i in range(self.points_count):
+            if self.points_window[i] in windows and self.windows.zone_of(self.points_x[i], self.points_y[i]) in zones:
+                found += 1
+        return found
 
     def take(self, af, ar, v, why):
         """Decide for a steering in degrees."""
