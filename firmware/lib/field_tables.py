@@ -1,4 +1,4 @@
-"""What field.py looks up: outlines on the grid, and the cost of steps. Computed once at the start."""
+"""What field.py looks up: outlines on the grid, made anew when the margin is tuned, and the cost of steps."""
 
 from array import array
 from math import cos, pi, sin, tan
@@ -9,16 +9,17 @@ _TURNS = const(12)
 _WAYS = ((-1, 1), (0, 1), (1, 1), (-1, 0), (1, 0), (-1, -1), (0, -1), (1, -1))
 
 
-def shape(width, length, margin, cell):
+def shape(width, length, margin, cell, table=None):
     """For each orientation the slopes and offsets of the outline's edges, a row of the grid at a time, as field.py closes poses by them.
 
-    width, length, margin: mm; cell: 1/8 mm. Poses in which a point comes into the outline proper are dear; closed are only those in which
-    it comes well into it, or narrow passages would close on the grid.
+    width, length, margin: mm; cell: 1/8 mm; table: one made before, to be filled again in place. Poses in which a point comes into the
+    outline proper are dear; closed are only those in which it comes well into it, or narrow passages would close on the grid.
     """
     half_width = width * 4
     half_length = length * 4
     margin *= 8
-    table = array("i", [0] * 85)
+    if table is None:
+        table = array("i", [0] * 85)
     far = 1 << 20
     for t in range(_TURNS):
         s = sin(t * pi / _TURNS)

@@ -7,19 +7,33 @@ import os
 class Settings:
     """Applies changes to a Config at once, and writes them to robot.json when asked.
 
-    config: has `set(key, value)`, which raises ValueError with a text; drive: has `point(wheel, angle)`.
-    path: the robot.json that the config was read from.
+    config: has `get(key)` and `set(key, value)`, which raise ValueError with a text; drive: has `stop()` and `point(wheel, angle)`;
+    avoid: has `configure()` and `envelopes`. path: the robot.json that the config was read from.
     """
 
-    def __init__(self, config, drive, path="robot.json"):
+    def __init__(self, config, drive, avoid, path="robot.json"):
         self._config = config
         self._drive = drive
+        self._avoid = avoid
         self._path = path
         self._changed = {}
 
     def tune(self, key, value):
-        """Change a parameter, value as in robot.json. ValueError tells what is allowed."""
-        self._config.set(key, value)
+        """Change a parameter, value as in robot.json. ValueError tells what is allowed; nothing is changed then.
+
+        The robot stands while the planner makes tables anew.
+        """
+        config = self._config
+        before = None if key.startswith("servos.trims.") else config.get(key)
+        config.set(key, value)
+        if self._avoid.envelopes.outdated(config):
+            self._drive.stop()
+            try:
+                self._avoid.configure()
+            except MemoryError:
+                config.set(key, before)
+                self._avoid.configure()
+                raise ValueError("%s: no memory to make the planner's tables anew; try again, or edit robot.json and restart" % key) from None
         self._changed[key] = value
 
     def point(self, wheel, angle):
