@@ -70,7 +70,7 @@ except OSError as error:
     print("gapseeker: cannot start:", error)
     raise
 del build, start_link  # their room is the robot's from now on
-forget("link_start", "version")
+forget("link_start", "texts", "version")
 gc.threshold(-1)
 
 try:
