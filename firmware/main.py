@@ -61,7 +61,7 @@ def build():
 
         line = machine.UART(config.screen_uart, config.screen_baud, tx=config.screen_tx, rx=config.screen_rx, txbuf=256, timeout=0)
         screen = Screen(line, config.screen_kind, config.screen_baud)
-    return Robot(config, avoid, lidar, drive, health, start_link(config, Settings(config, drive), machine), screen)
+    return Robot(config, avoid, lidar, drive, health, start_link(config, Settings(config, drive, avoid), machine), screen)
 
 
 try:
@@ -70,7 +70,7 @@ except OSError as error:
     print("gapseeker: cannot start:", error)
     raise
 del build, start_link  # their room is the robot's from now on
-forget("link_start", "version")
+forget("link_start", "texts", "version")
 gc.threshold(-1)
 
 try:

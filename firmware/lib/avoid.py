@@ -188,7 +188,6 @@ class Avoid:
         self._n2 = self._near2 = self._left2 = 0  # the same, as seen from the end of a first move
         self._stage = _FIELD
         self._next = 0  # of what a stage has cut into slices
-        self._swing = self.envelopes.half_width + self.envelopes.soft + self.envelopes.half_length // 2
         self._field_x = 0
         self._field_y = 0
         self._field_heading = 0
@@ -223,10 +222,23 @@ class Avoid:
         self.configure()
 
     def configure(self):
-        """Take over parameters that may have been tuned."""
+        """Take over parameters that may have been tuned.
+
+        Margins and look-ahead are in the tables, which takes about half a second on the ESP32: the robot must stand then (Settings.tune sees to
+        that). MemoryError, with the old tables whole, if there is no room for the code that makes them.
+        """
         c = self.config
+        if self.envelopes.outdated(c):
+            self.field.refill(c)
+            self.envelopes.refill(c)
+            self.v = 90
+            self.why = reasons.LOOKING
+            self._plan = 0
+            self._stage = _FIELD
+            self._next = 0
         self.cruise = c.drive_cruise
         self.look_ahead = self.envelopes.look_ahead
+        self._swing = self.envelopes.half_width + self.envelopes.soft + self.envelopes.half_length // 2
         self.full_speed = c.motors_full_speed
         self._steer_weight = c.avoid_steering_weight * self.look_ahead * 1024 // (100 * 1200)
         self._change_weight = c.avoid_change_weight * self.look_ahead * 1024 // (100 * 1200)

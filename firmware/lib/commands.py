@@ -82,6 +82,9 @@ class Commands:
         except ValueError as error:
             self.refused += 1
             self.reply = (counter, kind, telemetry.REFUSED, str(error).encode()[:200])
+        except MemoryError:
+            self.refused += 1
+            self.reply = (counter, kind, telemetry.REFUSED, b"no memory for this now: try again")
         return True
 
     def _genuine(self, data, start, end):

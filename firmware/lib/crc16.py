@@ -15,7 +15,7 @@ def _make_table():
     return table
 
 
-_TABLE = _make_table()
+TABLE = _make_table()
 
 
 @micropython.viper
@@ -24,7 +24,7 @@ def crc16(data: ptr8, start: int, end: int) -> int:
 
     A table of 256 entries makes it about 40 instructions a byte; bit by bit it would be 200.
     """
-    table = ptr16(_TABLE)
+    table = ptr16(TABLE)
     value = 0xFFFF
     i = start
     while i < end:

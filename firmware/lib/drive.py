@@ -61,6 +61,15 @@ def _follow(positions: ptr16, goals: ptr16, count: int, step: int) -> int:
     return largest
 
 
+@micropython.viper
+def _fill(past: ptr16, af: int, ar: int):
+    k = 0
+    while k < 2 * _HISTORY:
+        past[k] = af & 0xFFFF
+        past[k + 1] = ar & 0xFFFF
+        k += 2
+
+
 class Drive:
     """Drives the wheels of one robot.
 
@@ -72,7 +81,7 @@ class Drive:
     af, ar          estimate of the steering now, 0.1 deg; `steering` is solved for it
     v256            estimate of the speed of the fastest wheel, V - 90 in 1/256, mean of the servo period that has begun
     turning         the robot stands, or is stopping, because its wheels have to swing
-    aim             Steering of the angles the servos were told last; another object after each update(), so do not keep it
+    aim             Steering of the angles the servos were told last; like `steering` another object after an update(), so do not keep it
     unreachable     wheel the last command would turn beyond its servo's limits, or -1
     ok, fault       False, and why, while a chip does not answer: all outputs are off then
     """
@@ -102,11 +111,9 @@ class Drive:
         self._positions = array("h", bytes(2 * self._wheels))  # where the wheels are taken to stand
         self._pointed = array("h", bytes(2 * self._wheels))  # angles while one wheel is pointed on its own
         self._pointing = False
-        self._afs = array("h", bytes(2 * _HISTORY))
-        self._ars = array("h", bytes(2 * _HISTORY))
-        self._now = 0
-        self._speed = 0  # v256 in 1/256 at the end of the period that has begun
-        self._speed_before = 0  # at its beginning
+        self._past = array("h", bytes(4 * _HISTORY))  # AF, AR of each period
+        self._now = 0  # place of the period that has begun
+        self._speed = 0  # v256 in 1/256 at its end
         self._derive()
 
     @property
@@ -132,10 +139,15 @@ class Drive:
                 self._goal_v256 = 0
                 return False
         self.unreachable = -1
-        self._goal_v256 = (min(max(v, 0), 180) - 90) * 256
-        if self._pointing and (self._goal_v256 or goal.af != self.aim.af or goal.ar != self.aim.ar):
-            self._pointing = False
-            self._doubt()
+        if v > 180:
+            v = 180
+        elif v < 0:
+            v = 0
+        self._goal_v256 = (v - 90) * 256
+        if self._pointing:
+            if v != 90 or goal.af != self.aim.af or goal.ar != self.aim.ar:
+                self._pointing = False
+                self._doubt()
         return True
 
     def point(self, wheel, angle):
@@ -153,11 +165,11 @@ class Drive:
         return True
 
     def stop(self):
-        """Motors off now; the wheels stay as they are."""
-        self._goal_v256 = 0
+        """Motors off now, not with the next update(); the wheels stay as they are. Costs nothing while the motors are off."""
         if self._set_v256:
-            self._set_v256 = 0
             self._outputs.motors_off()
+            self._set_v256 = 0
+        self._goal_v256 = 0
 
     def off(self):
         """Everything off, for good: the servos let go."""
@@ -166,106 +178,134 @@ class Drive:
 
     def update(self, now_us):
         """Do what is due; call at least once a servo period. True when the set points moved on. Allocates nothing while all is well."""
-        if self._due < 0:
-            self._due = now_us
-        late = ticks_diff(now_us, self._due)
+        due = self._due
+        if due < 0:
+            due = now_us
+        late = ticks_diff(now_us, due)
         if late < 0:
             return False
-        # After a pause the estimate catches up, the set points do not.
-        periods = late // self._period_us + 1
-        if periods > _MOST_PERIODS:
-            periods = _MOST_PERIODS
-            self._due = now_us
-        self._due = ticks_add(self._due, periods * self._period_us)
+        period = self._period_us
+        periods = 1
+        if late >= period:
+            # After a pause the estimate catches up, the set points do not.
+            periods += late // period
+            if periods > _MOST_PERIODS:
+                periods = _MOST_PERIODS
+                due = ticks_add(now_us, -(periods - 1) * period)
+        self._due = ticks_add(due, periods * period)
         if self._changes != self._config.changes:
             self._derive()
         self._steer()
-        self._accelerate()
+        v256 = self._accelerate()
         aim = self.aim
-        self._outputs.write(self._pointed if self._pointing else aim.angles, aim.shares, self._set_v256)
-        if self._restarts != self._outputs.restarts:
-            self._restarts = self._outputs.restarts
+        outputs = self._outputs
+        outputs.write(self._pointed if self._pointing else aim.angles, aim.shares, v256)
+        if self._restarts != outputs.restarts:
+            self._restarts = outputs.restarts
             self._doubt()
-        while periods:
-            self._estimate()
-            periods -= 1
-        self._publish()
+        self._estimate(periods)
         return True
 
     def _derive(self):
         """What a servo period makes of the live parameters."""
         config = self._config
         self._changes = config.changes
+        self._outputs.derive()
         period = self._period_us
         self._step = max(config.servos_rate * period // 100000, 1)  # 0.1 deg
         self._swing = config.servos_swing * 10
         latency = config.servos_latency * 1000
         self._latency = latency // period
+        self._back = 2 * self._latency
         self._latency256 = latency % period * 256 // period
         self._gain256 = min(512 * period // (2000 * config.motors_time_constant + period), 256)
         self._ramp = max(config.drive_acceleration * 23040 // config.motors_full_speed * period // 1000000, 1)
 
     def _steer(self):
-        goal = self._goal
         if self._swinging:
-            if self._apart():
-                self._begin_swing()
-            if self._delay:
-                self._delay -= 1
-            elif _follow(self._positions, self.aim.angles, self._wheels, self._step) == 0:
-                self._swinging = False
-                self.turning = False
-                for k in range(_HISTORY):
-                    self._afs[k] = self.aim.af
-                    self._ars[k] = self.aim.ar
+            self._swing_on()
             return
-        _follow(self._positions, self.aim.angles, self._wheels, self._step)
-        self.turning = self._apart()
-        if not self.turning and (goal.af != self.aim.af or goal.ar != self.aim.ar):
-            self.turning = not self._approach()
-        if self.turning and -_STANDS <= self.v256 <= _STANDS:
+        goal, aim = self._goal, self.aim
+        if goal.af == aim.af and goal.ar == aim.ar:
+            self.turning = False
+            return
+        if goal.folded == aim.folded:
+            largest = _largest_change(goal.angles, aim.angles, self._wheels)
+            if largest <= self._swing and self._approach(goal, aim, largest):
+                self.turning = False
+                return
+        self.turning = True
+        if -_STANDS <= self.v256 <= _STANDS:
             self._begin_swing()
 
-    def _apart(self):
-        """Whether the goal is too far from the set point to be reached while driving."""
-        goal, aim = self._goal, self.aim
-        return goal.folded != aim.folded or _largest_change(goal.angles, aim.angles, self._wheels) > self._swing
+    def _approach(self, goal, aim, largest):
+        """Move the set point towards the goal as far as the slowest wheel allows. False where the way leads past a fold or a turning centre.
+
+        largest: by how much a wheel changes on the whole way, 0.1 deg, which is the first measure of how much of it can be gone now.
+        """
+        step = self._step
+        trial = self._trial
+        if largest <= step:
+            trial.solve(goal.af, goal.ar)
+        else:
+            af, ar = aim.af, aim.ar
+            way_af = goal.af - af
+            way_ar = goal.ar - ar
+            way = max(abs(way_af), abs(way_ar))
+            half = way >> 1
+            slow = step - (step >> 5)  # that much slack spares most second guesses
+            part = way
+            change = largest
+            while change > step:
+                part = part * slow // change
+                if part == 0:
+                    return False
+                trial.solve(af + (way_af * part + half) // way, ar + (way_ar * part + half) // way)
+                if trial.folded != aim.folded:
+                    return False
+                change = _largest_change(trial.angles, aim.angles, self._wheels)
+        self.aim = trial
+        self._trial = aim
+        return True
 
     def _begin_swing(self):
-        self.aim.solve(self._goal.af, self._goal.ar)
-        self._swinging = True
+        aim = self.aim
+        if not self._swinging:
+            # Until now no wheel was told more than it does in a period.
+            self._swinging = True
+            _follow(self._positions, aim.angles, self._wheels, 1800)
+        aim.solve(self._goal.af, self._goal.ar)
         self._delay = self._latency + 1
 
-    def _approach(self):
-        """Move the set point towards the goal as far as the slowest wheel allows. False where the way leads past a fold or a turning centre."""
-        goal, aim, trial = self._goal, self.aim, self._trial
-        way_af = goal.af - aim.af
-        way_ar = goal.ar - aim.ar
-        way = max(abs(way_af), abs(way_ar))
-        part = way
-        while part > 0:
-            trial.solve(aim.af + (way_af * part + (way >> 1)) // way, aim.ar + (way_ar * part + (way >> 1)) // way)
-            if trial.folded != aim.folded:
-                return False
-            change = _largest_change(trial.angles, aim.angles, self._wheels)
-            if change <= self._step:
-                self.aim = trial
-                self._trial = aim
-                return True
-            part = part * self._step // change
-        return False
+    def _swing_on(self):
+        goal, aim = self._goal, self.aim
+        if goal.folded != aim.folded or _largest_change(goal.angles, aim.angles, self._wheels) > self._swing:
+            self._begin_swing()
+        if self._delay:
+            self._delay -= 1
+        elif _follow(self._positions, aim.angles, self._wheels, self._step) == 0:
+            self._swinging = False
+            self.turning = False
+            _fill(self._past, aim.af, aim.ar)
 
     def _accelerate(self):
+        """The motors' next set point."""
         goal = self._goal_v256
         speed = self._set_v256
         if goal == 0 or self.turning or not self._outputs.ok:
-            self._set_v256 = 0
+            speed = 0
         elif goal > 0 > speed or goal < 0 < speed:
-            self._set_v256 = 0  # a reversal passes through off
+            speed = 0  # a reversal passes through off
         elif goal > speed:
-            self._set_v256 = min(speed + self._ramp, goal)
+            speed += self._ramp
+            if speed > goal:
+                speed = goal
         else:
-            self._set_v256 = max(speed - self._ramp, goal)
+            speed -= self._ramp
+            if speed < goal:
+                speed = goal
+        self._set_v256 = speed
+        return speed
 
     def _doubt(self):
         """Each wheel may stand anywhere, at worst at the far end."""
@@ -274,25 +314,47 @@ class Drive:
         self._set_v256 = 0
         self._outputs.motors_off()
         self.turning = True
+        self._swinging = True
         self._begin_swing()
 
-    def _estimate(self):
-        """One servo period of the wheels' life."""
-        before = self._now
-        now = (before + 1) & (_HISTORY - 1)
-        self._now = now
+    def _estimate(self, periods):
+        """So many servo periods of the wheels' life."""
+        past = self._past
+        now = self._now
+        af, ar = past[now], past[now + 1]
         # Swinging wheels have no common centre; the little that the robot still rolls, it rolls mostly as it was steered before.
-        self._afs[now] = self._afs[before] if self._swinging else self.aim.af
-        self._ars[now] = self._ars[before] if self._swinging else self.aim.ar
-        self._speed_before = self._speed
-        self._speed += (((self._set_v256 << 8) - self._speed) >> 4) * self._gain256 >> 4
+        if not self._swinging:
+            aim = self.aim
+            af, ar = aim.af, aim.ar
+        speed = self._speed
+        goal = self._set_v256 << 8
+        gain = self._gain256
+        before = speed
+        while periods:
+            now = (now + 2) & (2 * _HISTORY - 1)
+            past[now] = af
+            past[now + 1] = ar
+            before = speed
+            speed += ((goal - speed) >> 4) * gain >> 4
+            periods -= 1
+        self._now = now
+        self._speed = speed
+        self.v256 = (before + speed + 256) >> 9  # the mean of the period that begins now
 
-    def _publish(self):
-        late = (self._now - self._latency) & (_HISTORY - 1)
-        later = (late - 1) & (_HISTORY - 1)
+        now = (now - self._back) & (2 * _HISTORY - 1)
+        af, ar = past[now], past[now + 1]
         f = self._latency256
-        self.af = (self._afs[late] * (256 - f) + self._afs[later] * f + 128) >> 8
-        self.ar = (self._ars[late] * (256 - f) + self._ars[later] * f + 128) >> 8
-        self.v256 = (self._speed_before + self._speed + 256) >> 9  # the mean of the period that begins now
-        if self.af != self.steering.af or self.ar != self.steering.ar:
-            self.steering.solve(self.af, self.ar)
+        if f:
+            now = (now - 2) & (2 * _HISTORY - 1)
+            af = (af * (256 - f) + past[now] * f + 128) >> 8
+            ar = (ar * (256 - f) + past[now + 1] * f + 128) >> 8
+        steering = self.steering
+        if af != steering.af or ar != steering.ar:
+            self.af = af
+            self.ar = ar
+            trial = self._trial
+            if af == trial.af and ar == trial.ar:  # with a latency of one period it is what the servos were told before
+                self.steering = trial
+                self._trial = steering
+            else:
+                steering.solve(af, ar)

@@ -12,6 +12,8 @@ points mirrored in y, so a mirrored course gives mirrored answers by constructio
 Coordinates: body frame, mm + 8192 (never negative). Lengths: travel of the fastest wheel, mm.
 """
 
+from array import array
+
 from micropython import const
 
 from once import forget
@@ -29,12 +31,62 @@ class Envelopes:
     af, ar                     array 'h', 0.1 deg
     ends, turns                for each candidate and each of LENGTHS travels (`lengths`, mm) where the body's centre comes to lie,
                                x, y, mm + 8192, and how far it has turned clockwise, 0.1 deg
-    consts, table, seconds     of the arcs, strips of the others: see envelope_tables.py
+    consts, table, seconds     of the arcs: see envelope_arcs.py; strips of the others: see envelope_strips.py
     half_width, half_length, look_ahead, margin, soft    mm
     """
 
     def __init__(self, config):
-        from envelope_tables import fill
+        from envelope_tables import prepare
 
-        fill(self, config)
+        prepare(self, config)
+        del prepare
         forget("envelope_tables")
+        self._fill(config.avoid_margin, config.avoid_soft_margin, config.windows_look_ahead, array("H"))
+
+    def outdated(self, config):
+        """Whether margin, soft margin or look-ahead of the config are others than the tables were made with."""
+        return self.margin != config.avoid_margin or self.soft != config.avoid_soft_margin or self.look_ahead != config.windows_look_ahead
+
+    def refill(self, config):
+        """Make the tables anew, in place, with margin, soft margin and look-ahead of the config. Due when `outdated` says so.
+
+        The robot must stand: nothing else happens meanwhile. All arrays stay the same objects, but for `seconds`, whose length changes. What
+        was derived from the attributes in mm has to be derived again (Avoid: look_ahead, _swing; Field: its shape), and a decision begun
+        with the old tables to be given up. MemoryError, with the old tables whole, if the heap has no room for the code that makes them,
+        some 3 kB. Settings.tune() lets the robot stand, calls Avoid.configure(), and refuses the change if that raises MemoryError.
+        """
+        before = self.margin, self.soft, self.look_ahead
+        try:
+            self._fill(config.avoid_margin, config.avoid_soft_margin, config.windows_look_ahead, array("H"))
+        except MemoryError:
+            if self.margin < 0:
+                self._restore(before)
+            raise
+
+    def _restore(self, before):
+        try:
+            # Its list of second entries is there already: this needs less than what has just failed.
+            self._fill(*before, self.seconds)
+        except MemoryError:
+            raise RuntimeError("no room to make the envelope tables whole again: restart") from None
+
+    def _fill(self, margin, soft, look_ahead, seconds):
+        """The code comes in two parts, one after the other: together they would be more than the heap has to spare."""
+        forget()
+        try:
+            from envelope_arcs import fill
+
+            self.margin = -1  # neither the old tables nor the new ones
+            fill(self, margin, soft, look_ahead, seconds)
+            del fill
+            forget("envelope_arcs")
+            from envelope_strips import fill
+
+            fill(self, margin, soft)
+            del fill
+        finally:
+            forget("envelope_arcs", "envelope_strips")
+        self.seconds = seconds
+        self.margin = margin
+        self.soft = soft
+        self.look_ahead = look_ahead

@@ -450,11 +450,9 @@ class Field:
         length = config.robot_length
         width = config.robot_width
         self.cell = length * 8 // 12  # 1/8 mm
-        import field_tables
-
-        self._reach, self._stamps = field_tables.stamps(width, length, config.avoid_margin, self.cell)
-        self._steps = field_tables.steps(length, self.cell)
-        forget("field_tables")
+        self._stamps = None
+        self._steps = None
+        self.refill(config)
         self._weight = bytearray(_PLACES)
         self._closed = array("i", [0] * (_N * _TURNS))
         self._tight = array("i", [0] * (_N * _TURNS))
@@ -481,6 +479,19 @@ class Field:
         self.builds = 0
         self._px = 0
         self._py = 0
+
+    def refill(self, config):
+        """Make the tables anew, in place, with the margin of the config. MemoryError if the heap has no room for the code that makes them, some 3 kB."""
+        try:
+            import field_tables
+
+            self._reach, self._stamps = field_tables.stamps(config.robot_width, config.robot_length, config.avoid_margin, self.cell, self._stamps)
+            if self._steps is None:
+                self._steps = field_tables.steps(config.robot_length, self.cell)
+            del field_tables
+        finally:
+            forget("field_tables")
+        self._stage = 0
 
     def follow(self, odometry):
         """Lay the trail and turn the sense of direction with the robot. Call once a frame."""

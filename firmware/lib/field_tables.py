@@ -9,18 +9,20 @@ _TURNS = const(12)
 _WAYS = ((-1, 1), (0, 1), (1, 1), (-1, 0), (1, 0), (-1, -1), (0, -1), (1, -1))
 
 
-def stamps(width, length, margin, cell):
+def stamps(width, length, margin, cell, table=None):
     """(reach, table): which poses a point closes, for field.py to lay on its rows.
 
-    width, length, margin: mm; cell: 1/8 mm. A point stands in the middle of one of the four half cells of a place; for each of them, each
+    width, length, margin: mm; cell: 1/8 mm; table: one made before, to be filled again in place. A point stands in the middle of one of the four half cells of a place; for each of them, each
     orientation and each row of the grid from `reach` below the point to `reach` above it, two words with a bit for each column, bit 8 the point's
     own: poses whose full outline, with the margin, covers the point, and those whose outline made smaller does. Poses in which a point comes into
     the outline proper are dear; closed are only those in which it comes well into it, or narrow passages would close on the grid.
     """
     full = width * 4 + margin * 8, length * 4 + margin * 8
     small = width * 4 - cell * 3 // 10, length * 4 - cell * 6 // 10
-    reach = int((full[0] * full[0] + full[1] * full[1]) ** 0.5 / cell + 0.25)
-    table = array("H", bytes(2 * 2 * 4 * _TURNS * (2 * reach + 1)))
+    if table is None:
+        reach = int((full[0] * full[0] + full[1] * full[1]) ** 0.5 / cell + 0.25)
+        table = array("H", bytes(2 * 2 * 4 * _TURNS * (2 * reach + 1)))
+    reach = len(table) // (16 * _TURNS)
     at = 0
     for phase in range(4):
         across = (phase & 1) * 0.5 - 0.25

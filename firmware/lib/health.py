@@ -1,7 +1,7 @@
 """Is the robot fit to drive? Looks at stop button, lidar, chips, battery, loop time and heap; the first thing that is not well stops it.
 
     if not health.check(now_us):
-        drive.stop()                 # health.why says in words why
+        drive.stop()                 # health.fault says why
 """
 
 import gc
@@ -15,15 +15,6 @@ LIDAR = const(2)
 CHIPS = const(3)
 BATTERY = const(4)
 SETTLING = const(5)
-
-FAULTS = (
-    "all is well",
-    "stop button pressed",
-    "lidar is silent: check its supply, motor and data line",
-    "a PWM chip does not answer: check its supply and the I2C lines",
-    "battery is empty: charge it",
-    "well again, waiting a moment before driving on",
-)
 
 _SETTLE_US = const(500_000)  # a contact that comes and goes must not make the robot jerk
 _BATTERY_US = const(100_000)
@@ -39,7 +30,7 @@ class Health:
     lidar: has `ok`; drive: has `ok` and `v256`; stop_button: Pin, low when pressed, or None; adc: ADC with `read_uv()`, or None;
     config: battery_divider1000, battery_low, battery_empty (mV).
 
-    fault, why      what stops the robot: index into FAULTS, and its text
+    fault           what stops the robot, one of the numbers above; the words to it stand in texts.py
     battery_mv      smoothed, 0 when unknown; battery_low: True when it should be charged soon
     worst_us        longest time between two checks in the last second or two
     heap_free       bytes, looked at seldom and only while the robot stands, because counting takes milliseconds
@@ -68,10 +59,6 @@ class Health:
         self._millisecond_us = 0
         self._worst_now = 0
         self._started = False
-
-    @property
-    def why(self):
-        return FAULTS[self.fault]
 
     @property
     def chips(self):

@@ -28,7 +28,7 @@ from time import ticks_add, ticks_diff
 import micropython
 from micropython import const
 
-from crc16 import crc16
+from crc16 import TABLE
 
 _START = const(0xAA)
 _MEASUREMENT = const(0xAD)
@@ -60,78 +60,214 @@ _MOTOR_FULL = const(65535)
 _MOTOR_START = const(39322)  # 0.6, the duty that turns the usual unit at about its rated speed
 
 
+# Places in the array that the viper functions share with the class; none is ever negative.
+_HEAD = const(0)  # store[head:tail] is not yet taken
+_TAIL = const(1)
+_FRESH = const(2)  # 1 while there may be a whole frame among it
+_SPEED = const(3)  # of the frame taken last: speed20
+_COUNT = const(4)  # its points,
+_POINTS = const(5)  # where they are in the store,
+_ANGLE = const(6)  # its start angle, 0.01 deg,
+_STEPS = const(7)  # frames from the one before to it by their angles, 0 while that is not known,
+_BEHIND = const(8)  # and bytes from its first to the last that has come
+_GOOD = const(9)  # measurement frames since the trust was lost, up to _TRUST_FRAMES
+_HEARD = const(10)  # 1 while frames of either kind come
+_RULE = const(11)
+_RULE_CANDIDATE = const(12)
+_RULE_PASSED = const(13)
+_PENDING = const(14)  # bytes left in the UART
+_BURST = const(15)  # bytes that came at once,
+_COUNTED = const(16)  # and those of them that an overflow is already counted for
+_ERRORS = const(17)
+_SKIPPED = const(18)
+_MISSED = const(19)
+# of the configuration
+_FRAMES = const(20)  # frames a revolution
+_WIDTH = const(21)  # of a frame, 0.01 deg
+_SECTOR = const(22)  # the same in the unit of the bearing sums
+_OFFSET = const(23)  # likewise
+_MIRRORED = const(24)
+_STATES = const(25)
+
+
 @micropython.viper
-def _append(store: ptr8, tail: int, chunk: ptr8, count: int):
-    """Copy chunk[:count] to store[tail:]; one viper loop instead of slices, which would allocate."""
+def _append(store: ptr8, state: ptr32, chunk: ptr8, count: int) -> int:
+    """Put chunk[:count] behind what is in the store; 1 when the chunk was full, so that more may be pending.
+
+    Loops instead of slices, which would allocate; four bytes a turn, or the loop would cost more than the bytes.
+    """
+    head = state[_HEAD]
+    tail = state[_TAIL]
+    if head == tail or tail > _STORE - _CHUNK:
+        i = head
+        while i < tail:
+            store[i - head] = store[i]
+            i += 1
+        tail -= head
+        state[_HEAD] = 0
+    i = 0
+    while i < count - 3:
+        store[tail] = chunk[i]
+        store[tail + 1] = chunk[i + 1]
+        store[tail + 2] = chunk[i + 2]
+        store[tail + 3] = chunk[i + 3]
+        tail += 4
+        i += 4
+    while i < count:
+        store[tail] = chunk[i]
+        tail += 1
+        i += 1
+    state[_TAIL] = tail
+    state[_FRESH] = 1
+    if count == _CHUNK:
+        return 1
+    state[_PENDING] = 0
+    state[_BURST] = 0
+    state[_COUNTED] = 0
+    return 0
+
+
+@micropython.viper
+def _take(store: ptr8, state: ptr32) -> int:
+    """Take frames out of the store up to the next of use, which is described in the state.
+
+    Returns _MEASUREMENT, _SPEED_FAULT, or 0 when no whole frame is left.
+    """
+    at = state[_HEAD]
+    tail = state[_TAIL]
+    skipped = 0
+    command = 0
+    while command == 0 and at < tail:
+        if store[at] != _START:
+            at += 1
+            skipped += 1
+            continue
+        if tail - at < _HEADER:
+            break  # a header that is not whole yet may be one
+        length = store[at + 2]
+        if length != store[at + 7] + 8 or length < 9 or length > _MAX_LENGTH or store[at + 1] != 0 or store[at + 4] != 0x61 or store[at + 6] != 0:
+            at += 1
+            skipped += 1
+            continue
+        end = at + length
+        if end + 2 > tail:
+            break
+
+        check = (store[end] << 8) | store[end + 1]
+        rule = state[_RULE]
+        total = 0
+        passed = 0
+        i = at
+        if store[at + 3] or rule == _RULE_SUM:
+            while i < end - 3:
+                total += store[i] + store[i + 1] + store[i + 2] + store[i + 3]
+                i += 4
+            while i < end:
+                total += store[i]
+                i += 1
+            if total & 0xFFFF == check:
+                passed = _RULE_SUM
+        else:
+            table = ptr16(TABLE)
+            crc = 0xFFFF
+            while i < end:
+                value = store[i]
+                total += value
+                crc = (crc >> 8) ^ table[(crc ^ value) & 255]
+                i += 1
+            if crc == check:
+                passed = _RULE_CRC
+            elif rule != _RULE_CRC and total & 0xFFFF == check:
+                passed = _RULE_SUM
+        if passed == 0:
+            # One byte only: the start of a true frame may lie inside what looked like one.
+            at += 1
+            skipped += 1
+            state[_ERRORS] += 1
+            if state[_GOOD] < _TRUST_FRAMES:
+                state[_GOOD] = 0
+            continue
+        if rule == 0 and store[at + 3] == 0:
+            if passed != state[_RULE_CANDIDATE]:
+                state[_RULE_CANDIDATE] = passed
+                state[_RULE_PASSED] = 0
+            state[_RULE_PASSED] += 1
+            if state[_RULE_PASSED] >= _RULE_PASSES:
+                state[_RULE] = passed
+
+        kind = store[at + 5]
+        if kind == _SPEED_FAULT:
+            command = kind
+        elif kind == _MEASUREMENT and length >= 13:
+            count = (length - 13) // 3
+            extra = length - 13 - 3 * count  # 2 when the end angle comes first, 1 when the length holds no whole number of points
+            if extra != 1:
+                command = kind
+                state[_COUNT] = count
+                state[_POINTS] = at + 13 + extra
+                state[_BEHIND] = tail - at + state[_PENDING]
+                angle = (store[at + 11] << 8) | store[at + 12]
+                if angle >= 36000:
+                    angle -= 36000
+                state[_STEPS] = 0
+                if state[_GOOD]:
+                    turned = angle - state[_ANGLE]
+                    if turned < 0:
+                        turned += 36000
+                    steps = (turned + (state[_WIDTH] >> 1)) // state[_WIDTH]
+                    if steps == 0:
+                        steps = state[_FRAMES]
+                    state[_MISSED] += steps - 1
+                    state[_STEPS] = steps
+                state[_ANGLE] = angle
+                if state[_GOOD] < _TRUST_FRAMES:
+                    state[_GOOD] += 1
+        if command:
+            state[_SPEED] = store[at + 8]
+            state[_HEARD] = 1
+        at = end + 2
+    state[_HEAD] = at
+    state[_SKIPPED] += skipped
+    if command == 0:
+        state[_FRESH] = 0
+    return command
+
+
+@micropython.viper
+def _unpack(store: ptr8, state: ptr32, bearings: ptr16, distances: ptr16, signals: ptr8):
+    """The points of the frame taken last into the three arrays.
+
+    Their bearings are summed up in 0.1 deg / 2**17, so that no point needs a division. A point without signal has no distance either.
+    """
+    count = state[_COUNT]
+    if count == 0:
+        return
+    at = state[_POINTS]
+    step = state[_SECTOR] // count
+    angle = state[_ANGLE] * 13107 + state[_ANGLE] // 5  # 2**17 / 10 = 13107.2
+    if state[_MIRRORED]:
+        angle = 0 - angle
+        step = 0 - step
+    angle += state[_OFFSET] + 65536  # rounds
+    if angle < 65536:
+        angle += _TURN
     i = 0
     while i < count:
-        store[tail + i] = chunk[i]
-        i += 1
-
-
-@micropython.viper
-def _compact(store: ptr8, head: int, tail: int):
-    """Move store[head:tail] to the beginning of the store."""
-    i = head
-    while i < tail:
-        store[i - head] = store[i]
-        i += 1
-
-
-@micropython.viper
-def _seek(store: ptr8, head: int, tail: int) -> int:
-    """Index of the first place in store[head:tail] where a frame may begin, or tail.
-
-    A header that is not whole yet counts as possible.
-    """
-    i = head
-    while i < tail:
-        if store[i] == 0xAA:
-            if tail - i < 8:
-                return i
-            length = store[i + 2]
-            if store[i + 1] == 0 and store[i + 4] == 0x61 and store[i + 6] == 0:
-                if length == store[i + 7] + 8 and length >= 9 and length <= 253:
-                    return i
-        i += 1
-    return tail
-
-
-@micropython.viper
-def _sum16(store: ptr8, start: int, end: int) -> int:
-    """Sum of store[start:end] modulo 65536."""
-    total = 0
-    i = start
-    while i < end:
-        total += store[i]
-        i += 1
-    return total & 0xFFFF
-
-
-@micropython.viper
-def _unpack(store: ptr8, at: int, count: int, angle: int, step: int, bearings: ptr16, distances: ptr16, signals: ptr8):
-    """Points from store[at:] into the three arrays.
-
-    angle, step: bearing of the first point and from point to point, 0.1 deg / 2**17, so that no point needs a division.
-    A point without signal has no distance either.
-    """
-    i = 0
-    while i < count:
-        signal = store[at]
-        distance = (store[at + 1] << 8) | store[at + 2]
-        if signal == 0:
-            distance = 0
-        signals[i] = signal
-        distances[i] = distance
-        bearing = (angle + 65536) >> 17
-        if bearing >= 3600:
-            bearing -= 3600
+        if angle >= _TURN + 65536:
+            angle -= _TURN
+        elif angle < 65536:
+            angle += _TURN
+        bearing = angle >> 17
+        if bearing == 3600:
+            bearing = 0
         bearings[i] = bearing
+        signal = store[at]
+        signals[i] = signal
+        if signal:
+            distances[i] = (store[at + 1] << 8) | store[at + 2]
+        else:
+            distances[i] = 0
         angle += step
-        if angle >= 471859200:
-            angle -= 471859200
-        elif angle < 0:
-            angle += 471859200
         at += 3
         i += 1
 
@@ -173,53 +309,75 @@ class Lidar:
         self.ok = False
         self.speed20 = 0
         self.frames = 0
-        self.errors = 0
-        self.skipped = 0
         self.speed_faults = 0
-        self.missed = 0
         self.overflows = 0
 
-        self._frames_a_turn = config.lidar_frames
-        self._offset = (config.lidar_offset % 3600) << 17
-        self._mirrored = config.lidar_mirrored
         self._target20 = config.lidar_speed20
         self._rxbuf = config.lidar_rxbuf
         self._byte_ns = 10_000_000_000 // config.lidar_baud  # ten bits a byte on the wire
+        self._frame_us20 = 20_000_000 // config.lidar_frames  # duration of a frame at 1/20 r/s
         self._set_period(self._target20)
 
         self._store = bytearray(_STORE)
-        self._head = 0
-        self._tail = 0
         self._chunk = bytearray(_CHUNK)
-        self._burst = 0
-        self._pending = 0
         self._read_us = 0
         self._heard_us = 0
-        self._heard = False
-        self._good = 0
-        self._start = 0
-        self._rule = 0
-        self._rule_candidate = 0
-        self._rule_passes = 0
+        self._state = state = array("i", [0] * _STATES)
+        state[_FRAMES] = config.lidar_frames
+        state[_WIDTH] = 36000 // config.lidar_frames
+        state[_SECTOR] = _TURN // config.lidar_frames
+        state[_OFFSET] = (config.lidar_offset % 3600) << 17
+        state[_MIRRORED] = 1 if config.lidar_mirrored else 0
 
         self._motor_us = 0
         self._motor_sum = 0
         self._duty = -1
+
+    @property
+    def errors(self):
+        return self._state[_ERRORS]
+
+    @property
+    def skipped(self):
+        return self._state[_SKIPPED]
+
+    @property
+    def missed(self):
+        return self._state[_MISSED]
 
     def poll(self, now_us):
         """Read what has come; True when the next measurement frame is ready. Call it until it is False.
 
         now_us: ticks_us, as of this call. Allocates nothing.
         """
-        while not self._take():
-            if not self._receive(now_us):
-                if self._good and ticks_diff(now_us, self.frame_us) > self._silent_us:
-                    self.ok = False
-                    self._good = 0
-                if self._motor is not None and ticks_diff(now_us, self._motor_us) >= _MOTOR_PERIOD_US:
-                    self._regulate(now_us)
-                return False
-        return True
+        state = self._state
+        store = self._store
+        while True:
+            if state[_FRESH]:
+                command = _take(store, state)
+                if command == _MEASUREMENT:
+                    self._measurement(state, store)
+                    return True
+                if command == _SPEED_FAULT:
+                    self.speed_faults += 1
+                    self.speed20 = state[_SPEED]
+                    self._heard_us = self._read_us
+                    continue
+            chunk = self._chunk
+            count = self._uart.readinto(chunk)
+            if not count:
+                break
+            self._read_us = now_us
+            if _append(store, state, chunk, count):
+                self._crowded()
+        state[_BURST] = 0
+        state[_COUNTED] = 0
+        if state[_GOOD] and ticks_diff(now_us, self.frame_us) > self._silent_us:
+            self.ok = False
+            state[_GOOD] = 0
+        if self._motor is not None and ticks_diff(now_us, self._motor_us) >= _MOTOR_PERIOD_US:
+            self._regulate(now_us)
+        return False
 
     def stop(self):
         """Let the lidar's motor run out."""
@@ -227,152 +385,66 @@ class Lidar:
             self._duty = -1
             self._motor.duty_u16(0)
 
-    def _receive(self, now_us):
-        """Move one chunk from the UART to the store; False when there was nothing."""
-        if self._tail + _CHUNK > _STORE:
-            _compact(self._store, self._head, self._tail)
-            self._tail -= self._head
-            self._head = 0
-        count = self._uart.readinto(self._chunk)
-        if not count:
-            self._burst = 0
-            return False
-        _append(self._store, self._tail, self._chunk, count)
-        self._tail += count
-        self._read_us = now_us
-        self._burst += count
-        if count < _CHUNK:
-            self._burst = 0
-            self._pending = 0
-        else:
-            self._pending = self._uart.any()
-            if self._burst + self._pending >= self._rxbuf:
-                self.overflows += 1
-                self._burst = -self._pending  # what is pending belongs to the overflow already counted
-        return True
+    def _crowded(self):
+        """A chunk was full: see what is left, and whether so much came at once that some was lost."""
+        state = self._state
+        pending = self._uart.any()
+        burst = state[_BURST] + _CHUNK
+        if burst + pending >= self._rxbuf + state[_COUNTED]:
+            self.overflows += 1
+            burst = 0
+            state[_COUNTED] = pending
+        state[_PENDING] = pending
+        state[_BURST] = burst
 
-    def _take(self):
-        """Take frames out of the store up to the next measurement; False when no whole frame is left."""
-        store = self._store
-        tail = self._tail
-        head = self._head
-        while True:
-            at = _seek(store, head, tail)
-            if at != head:
-                self.skipped += at - head
-                self._head = at
-            if tail - at < _HEADER:
-                return False
-            length = store[at + 2]
-            end = at + length + 2
-            if end > tail:
-                return False
-            if not self._check(at, at + length):
-                # One byte only: the start of a true frame may lie inside what looked like one.
-                self.errors += 1
-                self.skipped += 1
-                self._head = head = at + 1
-                if not self.ok:
-                    self._good = 0
-                continue
-            self._head = head = end
-            command = store[at + 5]
-            if command == _MEASUREMENT:
-                if self._measurement(at, length):
-                    return True
-            elif command == _SPEED_FAULT:
-                self.speed_faults += 1
-                self.speed20 = store[at + 8]
-                self._heard_us = self._read_us
-                self._heard = True
-
-    def _check(self, at, end):
-        """True when the check of the frame store[at:end] holds by the rule of its version."""
-        store = self._store
-        check = (store[end] << 8) | store[end + 1]
-        if store[at + 3]:
-            return _sum16(store, at, end) == check
-        rule = self._rule
-        if rule != _RULE_SUM and crc16(store, at, end) == check:
-            passed = _RULE_CRC
-        elif rule != _RULE_CRC and _sum16(store, at, end) == check:
-            passed = _RULE_SUM
-        else:
-            return False
-        if rule == 0:
-            if passed != self._rule_candidate:
-                self._rule_candidate = passed
-                self._rule_passes = 0
-            self._rule_passes += 1
-            if self._rule_passes >= _RULE_PASSES:
-                self._rule = passed
-        return True
-
-    def _measurement(self, at, length):
-        """Unpack the measurement frame at store[at]; False when its length holds no whole number of points."""
-        store = self._store
-        extra = (length - 13) % 3
-        if extra == 1 or length < 13:
-            return False
-        points = at + 13 + extra  # extra is 2 when the end angle comes first
-        count = (length - 13 - extra) // 3
-        speed20 = store[at + 8]
-        if speed20 and speed20 != self.speed20:
-            self.speed20 = speed20
-            self._set_period(speed20)
-        start = ((store[at + 11] << 8) | store[at + 12]) % 36000  # 0.01 deg
-        self._time(start, at + length + 2, length + 2)
-
-        angle = start * 13107 + start // 5  # 2**17 / 10 = 13107.2
-        step = _TURN // self._frames_a_turn // count if count else 0
-        if self._mirrored:
-            angle = -angle
-            step = -step
-        angle = (angle + self._offset) % _TURN
-        _unpack(store, points, count, angle, step, self.bearings, self.distances, self.signals)
-        self.n = count
-        self.frames += 1
-        self._good += 1
-        if self._good >= _TRUST_FRAMES:
-            self.ok = True
-        return True
-
-    def _time(self, start, end, size):
-        """Set frame_us for the frame of `size` bytes that ends at store[end] and starts at angle start (0.01 deg).
+    def _measurement(self, state, store):
+        """The measurement frame taken last: its time and its points.
 
         The frame came no later than it was read, less the wire time of what came behind it; how much earlier is not seen. But
         frames follow one another at an even pace, so a frame that seems late against the pace was only read late.
         """
-        wire = (self._tail - end + self._pending + size) * self._byte_ns // 1000
-        measured = ticks_add(self._read_us, -wire)
-        if self._good:
-            frame = 36000 // self._frames_a_turn
-            steps = ((start - self._start) % 36000 + frame // 2) // frame
-            if steps == 0:
-                steps = self._frames_a_turn
-            self.missed += steps - 1
-            expected = ticks_add(self.frame_us, steps * self.period_us)
-            late = ticks_diff(measured, expected)
-            if 0 < late < _SILENT_MAX_US:
-                measured = ticks_add(expected, late >> 4)
-        self._start = start
-        self.frame_us = measured
-        self._heard_us = self._read_us
-        self._heard = True
+        speed20 = state[_SPEED]
+        if speed20 and speed20 != self.speed20:
+            self.speed20 = speed20
+            self._set_period(speed20)
+        read_us = self._read_us
+        frame_us = self.frame_us
+        wire = state[_BEHIND] * self._byte_ns // 1000
+        late = 0
+        if state[_STEPS]:
+            ahead = state[_STEPS] * self.period_us
+            late = ticks_diff(read_us, frame_us) - wire - ahead
+        if 0 < late < _SILENT_MAX_US:
+            self.frame_us = ticks_add(frame_us, ahead + (late >> 4))
+        else:
+            self.frame_us = ticks_add(read_us, -wire)
+        self._heard_us = read_us
+        _unpack(store, state, self.bearings, self.distances, self.signals)
+        self.n = state[_COUNT]
+        self.frames += 1
+        if state[_GOOD] == _TRUST_FRAMES:
+            self.ok = True
 
     def _set_period(self, speed20):
         """Derive the duration of a frame from speed20 (1/20 r/s, > 0), and from that how long a silence is suspicious."""
-        self.period_us = 20_000_000 // self._frames_a_turn // speed20
-        self._silent_us = min(max(_SILENT_FRAMES * self.period_us, _SILENT_MIN_US), _SILENT_MAX_US)
+        period = self._frame_us20 // speed20
+        self.period_us = period
+        silent = _SILENT_FRAMES * period
+        if silent < _SILENT_MIN_US:
+            silent = _SILENT_MIN_US
+        elif silent > _SILENT_MAX_US:
+            silent = _SILENT_MAX_US
+        self._silent_us = silent
 
     def _regulate(self, now_us):
         """One step of the motor's speed control (PI on the duty); the start duty while the speed is unknown."""
         elapsed_ms = min(ticks_diff(now_us, self._motor_us) // 1000, 100)
         self._motor_us = now_us
         duty = _MOTOR_START
-        if self._heard and ticks_diff(now_us, self._heard_us) > _SILENT_MAX_US:
-            self._heard = False
-        if self._heard:
+        state = self._state
+        if state[_HEARD] and ticks_diff(now_us, self._heard_us) > _SILENT_MAX_US:
+            state[_HEARD] = 0
+        if state[_HEARD]:
             error = self._target20 - self.speed20
             duty += error * _MOTOR_KP + self._motor_sum // _MOTOR_KI_MS
             # No integration into a stop, or the speed would overshoot by all that was gathered there.

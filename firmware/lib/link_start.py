@@ -3,10 +3,9 @@
 import os
 
 from carriers import SerialLine
-from health import FAULTS
 from link import Link
 from micropython import const
-from reasons import REASONS
+from texts import FAULTS, REASONS
 from version import VERSION
 
 _SESSION = const(8)  # auth.SESSION; that module is loaded only where there is a key

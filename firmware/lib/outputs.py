@@ -10,46 +10,78 @@ import micropython
 from micropython import const
 
 _FULL_SPEED = const(23040)  # (180 - 90) * 256
+_FULL = const(0x10)  # of ON_H and OFF_H: always on, always off
+
+
+# Both write straight into the images of the chips (see pca9685.py): in between there would be a call for each chip, dearer than all its outputs.
 
 
 @micropython.viper
-def _servo_counts(angles: ptr16, centre: ptr32, slope: ptr16, channels: ptr16, wheels: int, counts: ptr16):
-    """count = centre + slope * angle; centre and slope (signed) in 2**-15 counts, angle in 0.1 deg."""
+def _servo_registers(angles: ptr16, lines: ptr32, image: ptr8) -> int:
+    """count = centre + slope * angle, angle in 0.1 deg, for every wheel; return 1 if a register has changed.
+
+    lines: number of wheels, then of each the centre in 2**-15 counts, the slope in the same plus 2**15, and the place of OFF_L in the image.
+    """
+    changed = 0
+    last = 3 * lines[0]
+    k = 0
+    at = 0
+    while at < last:
+        angle = (angles[k] ^ 0x8000) - 0x8000
+        count = (lines[at + 1] + angle * (lines[at + 2] - 0x8000) + 0x4000) >> 15
+        place = lines[at + 3]
+        high = count >> 8
+        count &= 0xFF
+        if image[place] != count or image[place + 1] != high:
+            image[place] = count
+            image[place + 1] = high
+            changed = 1
+        k += 1
+        at += 3
+    return changed
+
+
+@micropython.viper
+def _motor_registers(shares: ptr16, wires: ptr8, v256: int, dead: int, left: ptr8, right: ptr8) -> int:
+    """Duty of IN1 (forward) and IN2 (backward) of every motor; return 2 if a register of the left chip has changed, plus 4 for the right one.
+
+    wires: number of wheels, then of each the places of ON_H of IN1 and of IN2 in the image, exchanged where the motor runs the other way.
+    dead: counts at which a motor just does not turn.
+    """
+    changed = 0
+    wheels = wires[0]
     k = 0
     while k < wheels:
-        angle = (angles[k] ^ 0x8000) - 0x8000
-        gain = (slope[k] ^ 0x8000) - 0x8000
-        counts[channels[k]] = (centre[k] + angle * gain + 0x4000) >> 15
+        speed = (v256 * ((shares[k] ^ 0x8000) - 0x8000)) >> 14
+        on = wires[k + k + 1]
+        off = wires[k + k + 2]
+        if speed < 0:
+            speed = 0 - speed
+            off = on
+            on = wires[k + k + 2]
+        full = 0
+        low = 0
+        high = _FULL
+        if speed:
+            speed = dead + speed * (4096 - dead) // _FULL_SPEED
+            low = speed & 0xFF
+            high = speed >> 8
+            if high == 16:
+                full = _FULL
+                high = 0
+        image = left
+        if k & 1:
+            image = right
+        if image[on + 1] != low or image[on + 2] != high or image[on] != full or image[off + 2] != _FULL:
+            image[on] = full
+            image[on + 1] = low
+            image[on + 2] = high
+            image[off] = 0
+            image[off + 1] = 0
+            image[off + 2] = _FULL
+            changed |= 2 << (k & 1)
         k += 1
-
-
-@micropython.viper
-def _motor_counts(shares: ptr16, directions: ptr16, channels: ptr16, axles: int, v256: int, dead: int, left: ptr16, right: ptr16):
-    """Duty of IN1 (forward) and IN2 (backward) of every motor; dead: counts at which a motor just does not turn."""
-    i = 0
-    while i < axles:
-        side = 0
-        while side < 2:
-            wheel = i + i + side
-            speed = (v256 * ((shares[wheel] ^ 0x8000) - 0x8000)) >> 14
-            if directions[wheel] & 0x8000:
-                speed = 0 - speed
-            backward = 0
-            if speed < 0:
-                speed = 0 - speed
-                backward = 1
-            duty = 0
-            if speed > 0:
-                duty = dead + speed * (4096 - dead) // _FULL_SPEED
-            channel = channels[i]
-            if side:
-                right[channel + backward] = duty
-                right[channel + 1 - backward] = 0
-            else:
-                left[channel + backward] = duty
-                left[channel + 1 - backward] = 0
-            side += 1
-        i += 1
+    return changed
 
 
 class Outputs:
@@ -77,18 +109,39 @@ class Outputs:
         servo_chip.use(max(config.servos_channels) + 1)
         motor_left.use(max(config.motors_channels) + 2)
         motor_right.use(max(config.motors_channels) + 2)
-        self._counts = [array("H", bytes(2 * chip.channels)) for chip in self._chips]
         self._unsent = 0  # bit k: chip k holds other registers than its image
+        self._rolling = False  # the motors were told to turn
         self._ticks_a_second = config.servos_frequency
+        self._third = config.servos_frequency // 3
+        self._looked = -1  # third of a second in which a chip was looked at last
         self._tick = -1  # counts servo periods round a second; chips that failed are tried at 0
-        self._servo_channels = config.servos_channels
-        self._directions = config.motors_directions
-        self._motor_channels = config.motors_channels
-        self._axles = config.axles
-        self._changes = config.changes
-        self._slope = array("h", [0] * (2 * config.axles))
-        self._centre = array("i", [0] * (2 * config.axles))
-        self._draw_lines()
+        wheels = 2 * config.axles
+        self._lines = array("i", bytes(4 * (1 + 3 * wheels)))
+        self._wires = bytearray(1 + 2 * wheels)
+        self._lines[0] = self._wires[0] = wheels
+        for k in range(wheels):
+            one = 2 + 4 * config.motors_channels[k >> 1]
+            other = one + 4
+            if config.motors_directions[k] < 0:
+                one, other = other, one
+            self._wires[1 + 2 * k] = one
+            self._wires[2 + 2 * k] = other
+        self.derive()
+
+    def derive(self):
+        """Take in live parameters that have changed."""
+        config = self._config
+        chip = self._chips[0]
+        lines = self._lines
+        self._dead = config.motors_dead_band * 4096 // 100
+        # Each wheel's count over its angle is a line with a centre and a slope.
+        for k in range(2 * config.axles):
+            first = chip.counts(config.servos_pulse_low[k], 32768)
+            last = chip.counts(config.servos_pulse_high[k], 32768)
+            slope = (last - first + 900) // 1800 * config.servos_directions[k]
+            lines[1 + 3 * k] = (first + last) // 2 + slope * config.servos_trims[k]
+            lines[2 + 3 * k] = slope + 0x8000
+            lines[3 + 3 * k] = 3 + 4 * config.servos_channels[k]
 
     def begin(self):
         """Set all chips up, every output still off. True if all answered."""
@@ -106,38 +159,53 @@ class Outputs:
 
     def write(self, angles, shares, v256):
         """Called once a servo period: send what changed. array('h') of Steering, and the fastest wheel's V - 90 in 1/256. True if all is well."""
-        self._tick += 1
-        if self._tick >= self._ticks_a_second:
-            self._tick = 0
-        if not self.ok and (self._tick or not self.begin()):
-            return False
-        if self._changes != self._config.changes:
-            self._draw_lines()
-        dead = self._config.motors_dead_band * 4096 // 100
-        counts = self._counts
-        _servo_counts(angles, self._centre, self._slope, self._servo_channels, 2 * self._axles, counts[0])
-        _motor_counts(shares, self._directions, self._motor_channels, self._axles, v256, dead, counts[1], counts[2])
+        tick = self._tick + 1
+        if tick >= self._ticks_a_second:
+            tick = 0
+        self._tick = tick
+        if not self.ok:
+            if tick or not self.begin():
+                return False
+        servos, left, right = self._chips
+        changed = self._unsent
         try:
-            self._check_one()
-            self._send(0)
-            self._send(1)
-            self._send(2)
+            changed |= _servo_registers(angles, self._lines, servos.image)
+            if v256:
+                changed |= _motor_registers(shares, self._wires, v256, self._dead, left.image, right.image)
+                self._rolling = True
+            elif self._rolling:
+                self._rolling = False
+                left.clear()
+                right.clear()
+            look = tick // self._third
+            if look != self._looked:
+                # A period in which all three chips are written is full without it: waits, if it can, for one that is not.
+                if changed | 1 << look != 7 or tick + 1 == (look + 1) * self._third:
+                    self._looked = look
+                    changed |= self._check(look)
+            if changed & 1:
+                servos.write()
+            if changed & 2:
+                left.write()
+            if changed & 4:
+                right.write()
         except OSError as error:
             self._fail(error)
             return False
-        self._set_enabled(True)
+        self._unsent = 0
+        if not self._enabled:
+            self._set_enabled(True)
         return True
 
     def motors_off(self):
         """Stop the motors now, without waiting for the next period; the servos hold."""
-        if not self.ok:
-            return
-        try:
-            for k in range(1, 3):
-                _clear(self._counts[k])
-                self._send(k)
-        except OSError as error:
-            self._fail(error)
+        if self.ok:
+            try:
+                self._chips[1].clear()
+                self._chips[2].clear()
+            except OSError as error:
+                self._fail(error)
+            self._rolling = False
 
     def off(self):
         """Everything off, for good: the servos let go."""
@@ -148,36 +216,15 @@ class Outputs:
             except OSError:
                 pass
 
-    def _draw_lines(self):
-        """Each wheel's count over its angle, a line with a centre and a slope, in 2**-15 counts."""
-        config = self._config
-        chip = self._chips[0]
-        for k in range(2 * self._axles):
-            first = chip.counts(config.servos_pulse_low[k], 32768)
-            last = chip.counts(config.servos_pulse_high[k], 32768)
-            slope = (last - first + 900) // 1800 * config.servos_directions[k]
-            self._centre[k] = (first + last) // 2 + slope * config.servos_trims[k]
-            self._slope[k] = slope
-        self._changes = config.changes
-
-    def _send(self, k):
+    def _check(self, k):
+        """Look at chip k, once a second: its bit, to have its registers sent again, or 0. One that was reset is off until the next period."""
+        if k > 2:
+            return 0
         chip = self._chips[k]
-        bit = 1 << k
-        if chip.load(self._counts[k]) or self._unsent & bit:
-            self._unsent |= bit
-            chip.write()
-            self._unsent &= ~bit
-
-    def _check_one(self):
-        """Look at each chip once a second, at different times, and send its registers again."""
-        third = self._ticks_a_second // 3
-        k = self._tick // third
-        if self._tick != k * third or k > 2:
-            return
-        self._unsent |= 1 << k
-        if not self._chips[k].check():
-            self.fault = "PCA9685 at 0x%02x was reset: look for dips of its supply" % self._chips[k].address
+        if not chip.check():
+            self.fault = "PCA9685 at 0x%02x was reset: look for dips of its supply" % chip.address
             self.restarts += 1
+        return 1 << k
 
     def _fail(self, error):
         self.ok = False
@@ -186,10 +233,8 @@ class Outputs:
         self._set_enabled(False)
         # Where output enable is not wired, the chips that still answer can at least be told.
         for k in range(1, 3):
-            _clear(self._counts[k])
             try:
-                self._chips[k].load(self._counts[k])
-                self._chips[k].write()
+                self._chips[k].clear()
             except OSError:
                 pass
 
@@ -198,8 +243,3 @@ class Outputs:
             self._enabled = enabled
             if self._enable is not None:
                 self._enable.value(0 if enabled else 1)
-
-
-def _clear(counts):
-    for k in range(len(counts)):
-        counts[k] = 0

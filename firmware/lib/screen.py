@@ -14,9 +14,7 @@ Source: the vendors' command lists; they disagree from unit to unit, so the dial
 
 from time import ticks_diff
 
-from health import FAULTS
 from micropython import const
-from reasons import REASONS
 
 _WIDTH = const(36)  # characters in a line
 _LINES = const(5)
@@ -103,6 +101,8 @@ class Screen:
     """
 
     def __init__(self, uart, kind, baud):
+        from texts import FAULTS, REASONS
+
         self._uart = uart
         start, before, after = _DIALECTS[kind]
         self._start = start

@@ -13,7 +13,7 @@ from array import array
 
 import micropython
 from micropython import const
-from trig import SIN, polar
+from trig import SIN
 
 _RIGHT = const(900)  # 90 deg
 _HALF_TURN = const(1800)
@@ -28,37 +28,39 @@ _STRAIGHT = const(7)  # AF = AR = 0
 
 # Lengths over S are held in 2**-23 and stay below 8, so that a product with a component below 2**24 splits into halves of 13 bits.
 _LARGEST_RATIO = const(8)
-# Layout of Steering._geometry: number of axles, track / S, then 2 * (distance behind the first axle) / S of each axle.
-_AXLES = const(0)
-_TRACK = const(1)
-_FIRST = const(2)
-# Layout of Steering._work: hypot and direction from polar(), then the speed of each wheel.
-_HYPOT = const(0)
-_DIRECTION = const(1)
-_SPEEDS = const(2)
+# Layout of Steering._work: the twist plus _ZERO, number of axles, track / S, 2 * (distance behind the first axle) / S of each axle, then
+# room for the speed of each wheel.
+_VX = const(0)
+_VY = const(1)
+_W = const(2)
+_AXLES = const(3)
+_TRACK = const(4)
+_FIRST = const(5)
+_ZERO = const(0x8000)
+
+# atan(2**-i) in 0.1 deg / 2**16. The last is 0.02 of a tenth of a degree: further steps would not change the result.
+_ATAN = array(
+    "i",
+    (29491200, 17409672, 9198793, 4669451, 2343786, 1173036, 586661, 293348, 146676, 73339, 36669, 18335, 9167, 4584, 2292, 1146),
+)
+_STEPS = const(16)
+# 1 / gain of 16 steps = 0.6072529 in 2**-28, in two halves of 14 bits
+_GAIN_HIGH = const(9949)
+_GAIN_LOW = const(3803)
 
 
 @micropython.viper
-def _times(value: int, ratio: int) -> int:
-    """value * ratio / 2**23 for 0 <= value < 2**24, 0 <= ratio < 2**26, without a product of 2**30 or more."""
-    high = value >> 13
-    low = value & 0x1FFF
-    ratio_high = ratio >> 13
-    ratio_low = ratio & 0x1FFF
-    middle = high * ratio_low + low * ratio_high + ((low * ratio_low) >> 13)
-    return ((high * ratio_high) << 3) + (middle >> 10)
+def _solve(u: int, v: int, work: ptr32, angles: ptr16, shares: ptr16) -> int:
+    """Fill angles, shares and the twist for AF, AR (u, v); return the bits of the folded wheels, -1 where AF or AR lies beyond 90 deg.
 
-
-@micropython.viper
-def _solve(af: int, ar: int, geometry: ptr32, work_buffer, angles: ptr16, shares: ptr16, twist: ptr16) -> int:
-    """Fill angles, shares and the twist for |af|, |ar| <= 900; return the bits of the folded wheels."""
-    sine = ptr32(SIN)
-    work = ptr32(work_buffer)
-    axles = geometry[_AXLES]
-
+    All in one function, as a call costs more than the work on a wheel. u and v have two meanings because the first arguments alone lie in
+    registers.
+    """
     # Left turns are solved as right turns in the mirror: left and right then agree to the last bit, and w is never negative.
-    total = af + ar
-    difference = af - ar
+    if u < 0 - _RIGHT or u > _RIGHT or v < 0 - _RIGHT or v > _RIGHT:
+        return -1
+    total = u + v
+    difference = u - v
     mirrored = 0
     if difference < 0 or (difference == 0 and total < 0):
         mirrored = 1
@@ -73,6 +75,7 @@ def _solve(af: int, ar: int, geometry: ptr32, work_buffer, angles: ptr16, shares
     elif total == _HALF_TURN:  # sideways: likewise
         vx = 1
     else:
+        sine = ptr32(SIN)
         # At most 2**31 - 2 for vy: a sum, not a product, and still a 32-bit word.
         if difference <= _RIGHT:
             w = sine[difference]
@@ -107,34 +110,76 @@ def _solve(af: int, ar: int, geometry: ptr32, work_buffer, angles: ptr16, shares
         vy <<= 1
         w <<= 1
 
-    across = int(_times(w, geometry[_TRACK]))
+    atan = ptr32(_ATAN)
+    high = w >> 13
+    low = w & 0x1FFF
+    wheels = 2 * work[_AXLES]
+    speeds = _FIRST + work[_AXLES]
+    across = 0
+    wheel_x = 0
     fastest = 0
     folded = 0
-    i = 0
-    while i < axles:
-        wheel_x = vx + w - int(_times(w, geometry[_FIRST + i]))
+    wheel = 0
+    k = _TRACK
+    while k < speeds:
+        # w * ratio / 2**23 for a ratio below 2**26, without a product of 2**30 or more
+        u = work[k] >> 13
+        v = work[k] & 0x1FFF
+        v = ((high * u) << 3) + ((high * v + low * u + ((low * v) >> 13)) >> 10)
+        if k == _TRACK:
+            across = v
+            k += 1
+            continue
+        k += 1
+        wheel_x = vx + w - v
         side = 0
         while side < 2:
-            polar(wheel_x, vy - across if side else vy + across, work_buffer)
-            wheel = i + i + (side ^ mirrored)
-            speed = work[_HYPOT]
+            # The wheel's direction and speed by CORDIC (J. Volder, 1959, vectoring mode), in the quadrant of y forward, x right.
+            wheel_y = vy - across if side else vy + across
+            u = wheel_y if wheel_y >= 0 else 0 - wheel_y
+            v = wheel_x if wheel_x >= 0 else 0 - wheel_x
+            angle = 0
+            speed = 0
+            if u + v:
+                # Short vectors are lengthened so that the rounding of each step does not count; 2.33 * 2**28 is the most u can become.
+                shift = 0
+                while u < 0x1000000 and v < 0x1000000:
+                    u <<= 4
+                    v <<= 4
+                    shift += 4
+                i = 0
+                while i < _STEPS:
+                    t = v >> i
+                    if v >= 0:
+                        v -= u >> i
+                        u += t
+                        angle += atan[i]
+                    else:
+                        v += u >> i
+                        u -= t
+                        angle -= atan[i]
+                    i += 1
+                # Rounded in the first quadrant, so that mirrored vectors have mirrored directions.
+                angle = (angle + 0x8000) >> 16
+                v = u & 0x3FFF
+                u >>= 14
+                speed = (u * _GAIN_HIGH + ((u * _GAIN_LOW + v * _GAIN_HIGH) >> 14) + ((1 << shift) >> 1)) >> shift
             if speed > fastest:
                 fastest = speed
-            work[_SPEEDS + wheel] = speed
-            angle = work[_DIRECTION]
-            if angle > _HALF_TURN:
-                angle -= 2 * _HALF_TURN
-            if angle > _RIGHT:
-                angle -= _HALF_TURN
-                folded |= 1 << wheel
-            elif angle < 0 - _RIGHT:
-                angle += _HALF_TURN
-                folded |= 1 << wheel
-            if mirrored:
+            i = wheel + (side ^ mirrored)
+            work[speeds + i] = speed
+            # To the left of straight on, in the mirror, folded: each turns the sign.
+            t = mirrored
+            if wheel_x < 0:
+                t ^= 1
+            if wheel_y < 0 and angle < _RIGHT:
+                folded |= 1 << i
+                t ^= 1
+            if t:
                 angle = 0 - angle
-            angles[wheel] = angle & 0xFFFF
+            angles[i] = angle & 0xFFFF
             side += 1
-        i += 1
+        wheel += 2
 
     # The fastest wheel moves at 16384; the body's centre, and a point S/2 from the turning centre, never faster than it.
     shift = 0
@@ -143,20 +188,20 @@ def _solve(af: int, ar: int, geometry: ptr32, work_buffer, angles: ptr16, shares
     fastest >>= shift
     half = fastest >> 1
     wheel = 0
-    while wheel < 2 * axles:
-        share = ((work[_SPEEDS + wheel] >> shift) * 16384 + half) // fastest
+    while wheel < wheels:
+        u = ((work[speeds + wheel] >> shift) * 16384 + half) // fastest
         if (folded >> wheel) & 1:
-            share = 0 - share
-        shares[wheel] = share & 0xFFFF
+            u = 0 - u
+        shares[wheel] = u & 0xFFFF
         wheel += 1
     vx = ((vx >> shift) * 16384 + half) // fastest
     w = ((w >> shift) * 16384 + half) // fastest
     if mirrored:
         vx = 0 - vx
         w = 0 - w
-    twist[0] = vx & 0xFFFF
-    twist[1] = ((vy >> shift) * 16384 + half) // fastest
-    twist[2] = w & 0xFFFF
+    work[_VX] = vx + _ZERO
+    work[_VY] = ((vy >> shift) * 16384 + half) // fastest + _ZERO
+    work[_W] = w + _ZERO
     return folded
 
 
@@ -207,15 +252,15 @@ class Steering:
         self.first = span / 2 if first is None else first
         self.span = span
         self.n = n = len(spacings) + 1
-        self._geometry = array("i", [n, _ratio(track, span), 0])
+        self._work = array("i", bytes(4 * (_FIRST + 3 * n)))
+        self._work[_AXLES] = n
+        self._work[_TRACK] = _ratio(track, span)
         behind = 0
-        for spacing in spacings:
-            behind += spacing
-            self._geometry.append(_ratio(2 * behind, span))
+        for k in range(n - 1):
+            behind += spacings[k]
+            self._work[_FIRST + 1 + k] = _ratio(2 * behind, span)
         # From the middle of the axles back to the body's centre, over S/2, in 2**-14
         self._back = int(round((span / 2 - self.first) * 32768 / span))
-        self._work = array("i", bytes(4 * (_SPEEDS + 2 * n)))
-        self._twist = array("h", (0, 0, 0))
         self.angles = array("h", bytes(4 * n))
         self.shares = array("h", bytes(4 * n))
         self.solve(0, 0)
@@ -226,16 +271,21 @@ class Steering:
         Right to 0.1 deg in each angle and 0.5 % in each speed, but for a wheel within a millimetre of the turning centre: its direction hardly
         matters, and where it is the centre the angle is 0.
         """
-        if not (-_RIGHT <= af <= _RIGHT and -_RIGHT <= ar <= _RIGHT):
+        work = self._work
+        folded = _solve(af, ar, work, self.angles, self.shares)
+        if folded < 0:
             return False
-        self.folded = _solve(af, ar, self._geometry, self._work, self.angles, self.shares, self._twist)
-        self.w = self._twist[2]
-        self.vx = self._twist[0] + (self.w * self._back >> 14)
-        self.vy = self._twist[1]
-        self.mode = mode_of(af, ar)
+        self.folded = folded
         self.af = af
         self.ar = ar
+        self.vy = work[_VY] - _ZERO
+        self.w = w = work[_W] - _ZERO
+        self.vx = work[_VX] - _ZERO + (w * self._back >> 14)
         return True
+
+    @property
+    def mode(self):
+        return mode_of(self.af, self.ar)
 
     def outside(self, low, high):
         """Index of the first wheel whose angle lies outside low[k] .. high[k] (array('h') of 2n, 0.1 deg), -1 if none does."""

@@ -1,11 +1,13 @@
 """The envelope tables against a body moved in small steps."""
 
+import sys
 from array import array
 from math import cos, sin
 
+import envelope_arcs
+import envelope_strips
 from config import Config
 from envelope import BIAS, Envelopes
-from envelope_tables import end
 from sweep import BAND_MM, Sweep, sort_near
 
 _config = Config()
@@ -37,7 +39,7 @@ def _stepped(env, k, point, margin, step=2.0):
     hl = env.half_length + margin
     length = 0.0
     while length < env.look_ahead:
-        x, y, turn = end(env, k, length)
+        x, y, turn = (envelope_arcs if k < env.arcs else envelope_strips).end(env, k, length)
         dx = point[0] - x
         dy = point[1] - y
         u = dx * cos(turn) - dy * sin(turn)
@@ -80,3 +82,78 @@ def test_early_stops_are_rare():
             if want - free[k] > 20:
                 early += 1
     assert early * 50 < total, (early, total)
+
+
+_OTHERS = ((0, 0, 100), (20, 35, 900), (100, 200, 3000), (9, 30, 700))  # margin, soft margin, look-ahead
+
+
+def _tuned(config, margin, soft, look_ahead):
+    config.set("avoid.margin", 0)
+    config.set("avoid.soft_margin", soft)
+    config.set("avoid.margin", margin)
+    config.set("windows.look_ahead", look_ahead)
+
+
+def _fixed(env):
+    """Every array whose size does not change, by its name."""
+    return {name: value for name, value in env.__dict__.items() if type(value) in (array, bytearray) and name != "seconds"}
+
+
+def _same(one, other):
+    for name, value in one.__dict__.items():
+        assert name in ("seconds",) or value == getattr(other, name), name
+    # Beyond what is used, which the shorter of the two has, lies nothing that counts.
+    used = min(len(one.seconds), len(other.seconds))
+    assert one.seconds[:used] == other.seconds[:used]
+
+
+def test_refilled_tables_are_those_of_a_fresh_start():
+    for mode in ("AWS", "NAWS"):
+        config = Config({"mode": mode})
+        env = Envelopes(config)
+        before = _fixed(env)
+        assert len(before) == 8 and not env.outdated(config)
+        for values in _OTHERS:
+            _tuned(config, *values)
+            assert env.outdated(config)
+            env.refill(config)
+            assert not env.outdated(config)
+            _same(env, Envelopes(config))
+            for name, value in _fixed(env).items():
+                assert value is before[name], name
+
+
+class _Short:
+    """Stands for the list of second entries in a heap that is too small for it."""
+
+    def __len__(self):
+        return 0
+
+    def append(self, value):
+        raise MemoryError("memory allocation failed")
+
+
+def test_without_memory_the_old_tables_stay_whole():
+    import envelope
+
+    config = Config()
+    env = Envelopes(config)
+    seconds = env.seconds
+    _tuned(config, 20, 35, 900)
+    envelope.array = lambda kind: _Short()
+    try:
+        env.refill(config)
+        assert False, "refilled"
+    except MemoryError:
+        pass
+    finally:
+        envelope.array = array
+    assert (env.margin, env.soft, env.look_ahead) == (9, 30, 700) and env.outdated(config)
+    assert env.seconds is seconds
+    _same(env, Envelopes(Config()))
+
+
+def test_the_code_that_fills_the_tables_is_let_go():
+    Envelopes(Config())
+    if sys.implementation.name == "micropython":
+        assert not [name for name in sys.modules if name in ("envelope_tables", "envelope_arcs", "envelope_strips")]

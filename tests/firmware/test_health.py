@@ -53,7 +53,7 @@ def test_button_stops_at_once_and_releases_after_a_moment():
     check, _, _ = make(button=button)
     assert check.check(0)
     button.level = 0
-    assert not check.check(5000) and check.why == "stop button pressed"
+    assert not check.check(5000) and check.fault == health.STOP_BUTTON
     button.level = 1
     assert not check.check(10_000) and check.fault == health.SETTLING
     assert not run(check, 15_000, 500_000)

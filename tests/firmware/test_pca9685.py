@@ -1,7 +1,5 @@
 """pca9685.py: the bytes on the bus, and what they do to a chip."""
 
-from array import array
-
 import micropython
 from fake_chips import FakeBus
 from pca9685 import PCA9685
@@ -13,6 +11,11 @@ class _Log:
 
     def writeto(self, address, data):
         self.sent.append((address, bytes(data)))
+
+
+def _put(chip, channel, *registers):
+    for k in range(4):
+        chip.image[1 + 4 * channel + k] = registers[k]
 
 
 def _error(function):
@@ -34,24 +37,43 @@ def test_start_sets_frequency_asleep_and_leaves_all_off():
     ]
 
 
-def test_one_burst_carries_all_channels():
+def test_one_burst_carries_all_channels_in_use_which_are_off_at_first():
     log = _Log()
-    chip = PCA9685(log, channels=4)
-    chip.load(array("H", (0, 307, 4096, 4095)))
+    chip = PCA9685(log, channels=3)
+    _put(chip, 1, 0, 0, 0x33, 0x01)
     chip.write()
-    assert log.sent == [(0x40, bytes((0x06, 0, 0, 0, 0x10, 0, 0, 0x33, 0x01, 0, 0x10, 0, 0, 0, 0, 0xFF, 0x0F)))]
+    assert log.sent == [(0x40, bytes((0x06, 0, 0, 0, 0x10, 0, 0, 0x33, 0x01, 0, 0, 0, 0x10)))]
 
 
-def test_chip_shows_the_counts():
+def test_chip_shows_the_image():
     bus = FakeBus()
     chip = PCA9685(bus)
     chip.start()
     fake = bus.chips[0x40]
     assert fake.running() and fake.registers[0xFE] == 121 and fake.counts(16) == [0] * 16
-    counts = array("H", [min(300 * k, 4096) for k in range(16)])
-    chip.load(counts)
+    _put(chip, 0, 0, 0, 0x33, 0x01)
+    _put(chip, 15, 0, 0x10, 0, 0)
     chip.write()
-    assert fake.counts(16) == list(counts)
+    assert fake.counts(16) == [307] + [0] * 14 + [4096]
+
+
+def test_clear_takes_one_byte_and_the_next_burst_agrees():
+    bus = FakeBus()
+    chip = PCA9685(bus)
+    chip.start()
+    fake = bus.chips[0x40]
+    _put(chip, 0, 0, 0, 0x33, 0x01)
+    _put(chip, 15, 0, 0x10, 0, 0)
+    chip.write()
+    log = _Log()
+    chip._i2c = log
+    chip.clear()
+    assert log.sent == [(0x40, bytes((0xFD, 0x10)))]
+    fake.write(log.sent[0][1])
+    assert fake.counts(16) == [0] * 16
+    chip._i2c = bus
+    chip.write()
+    assert fake.counts(16) == [0] * 16 and fake.registers[6 + 4 * 15 + 1] == 0
 
 
 def test_start_takes_over_a_running_chip():
@@ -64,13 +86,12 @@ def test_start_takes_over_a_running_chip():
     assert fake.count(0) == 0 and fake.registers[0xFE] == 5
 
 
-def test_load_tells_whether_anything_changed():
-    chip = PCA9685(_Log(), channels=2)
-    assert not chip.load(array("H", (0, 0)))
-    assert chip.load(array("H", (0, 1)))
-    assert not chip.load(array("H", (0, 1)))
-    assert chip.load(array("H", (0, 257)))
-    assert chip.load(array("H", (0, 4096)))
+def test_a_start_leaves_nothing_in_the_image():
+    chip = PCA9685(FakeBus(), channels=2)
+    fresh = bytes(chip.image)
+    _put(chip, 0, 0, 0, 0x33, 0x01)
+    chip.start()
+    assert bytes(chip.image) == fresh
 
 
 def test_prescale_of_the_data_sheet():
@@ -93,7 +114,7 @@ def test_a_measured_oscillator_corrects_the_pulses():
 
 def test_absent_chip_is_named_with_the_remedy():
     chip = PCA9685(FakeBus(0x41), 0x43)
-    for use in (chip.start, chip.write, chip.check, chip.deinit):
+    for use in (chip.start, chip.write, chip.clear, chip.check, chip.deinit):
         assert _error(use) == "PCA9685 at 0x43 does not answer: check its power, SDA, SCL and address jumpers", use
 
 
@@ -121,7 +142,7 @@ def test_deinit_switches_off():
     bus = FakeBus()
     chip = PCA9685(bus, channels=1)
     chip.start()
-    chip.load(array("H", (307,)))
+    _put(chip, 0, 0, 0, 0x33, 0x01)
     chip.write()
     chip.deinit()
     assert not bus.chips[0x40].running() and bus.chips[0x40].registers[9] == 0x10
@@ -137,13 +158,12 @@ def test_bad_addresses_and_channels_are_refused():
 def test_nothing_is_allocated_in_use():
     chip = PCA9685(FakeBus())
     chip.start()
-    counts = array("H", [0] * 16)
     micropython.heap_lock()
     try:
         for _ in range(3):
-            counts[3] += 100
-            chip.load(counts)
+            chip.image[3] += 100
             chip.write()
+            chip.clear()
             chip.check()
     finally:
         micropython.heap_unlock()

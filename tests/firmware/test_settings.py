@@ -9,30 +9,58 @@ PATH = "test_settings_robot.json"
 
 
 class Config:
-    axles = 2
-
-    def __init__(self):
+    def __init__(self, trims=(0, 0, 0, 0)):
         self.values = {}
+        self.servos_trims = [trim * 10 for trim in trims]
+
+    def get(self, key):
+        return self.values.get(key, 15)
 
     def set(self, key, value):
         if value == 999:
             raise ValueError("%s = 999: 0 .. 100 is needed" % key)
         self.values[key] = value
+        if key.startswith("servos.trims."):
+            self.servos_trims[int(key[13:])] = round(value * 10)
 
 
 class Drive:
     stands = True
+    stops = 0
+
+    def stop(self):
+        self.stops += 1
 
     def point(self, wheel, angle):
         return self.stands
 
 
-def keep(before, changes):
-    """The file before with the changes kept: (its values, its text)."""
+class Avoid:
+    """Planner whose tables depend on avoid.margin."""
+
+    memory = True
+    made_with = 15
+
+    def __init__(self, config=None):
+        self.config = config
+        self.envelopes = self
+
+    def outdated(self, config):
+        return self.config is not None and config.get("avoid.margin") != self.made_with
+
+    def configure(self):
+        if self.outdated(self.config):
+            if not self.memory:
+                raise MemoryError("memory allocation failed")
+            self.made_with = self.config.get("avoid.margin")
+
+
+def keep(before, changes, trims=(0, 0, 0, 0)):
+    """The text of the file `before` with the changes kept."""
     with open(PATH, "w") as file:
         file.write(before)
     try:
-        settings = Settings(Config(), Drive(), PATH)
+        settings = Settings(Config(trims), Drive(), Avoid(), PATH)
         for key, value in changes:
             settings.tune(key, value)
         settings.keep()
@@ -40,7 +68,8 @@ def keep(before, changes):
             text = file.read()
     finally:
         os.remove(PATH)
-    return json.loads(text), text
+    json.loads(text)
+    return text
 
 
 def refused(call, *arguments):
@@ -52,34 +81,89 @@ def refused(call, *arguments):
     assert False, "not refused"
 
 
+BEFORE = """{
+  "mode": "AWS",
+  "wifi": {"ssid": "a \\"b\\" {c}, d", "port": 9750},
+  "servos": {
+    "trims": [1, 2, 3, 4],
+    "channels": [0, 1,
+                 2, 3]
+  },
+  "avoid": { "accept":150,
+    "margin" : 15 }
+}
+"""
+
+
 def test_only_what_was_changed_changes():
-    values, text = keep('{"mode": "AWS", "avoid": {"margin": 15, "accept": 150}}', (("avoid.margin", 20), ("drive.cruise", 100)))
-    assert values == {"mode": "AWS", "avoid": {"margin": 20, "accept": 150}, "drive": {"cruise": 100}}
-    assert '    "margin": 20' in text.split("\n") or '    "margin": 20,' in text.split("\n")
+    text = keep(BEFORE, (("avoid.margin", 20),))
+    assert text == BEFORE.replace('"margin" : 15', '"margin" : 20')
+    text = keep(BEFORE, (("avoid.accept", 99), ("avoid.margin", 7), ("avoid.margin", 8)))
+    assert text == BEFORE.replace("150", "99").replace("15 }", "8 }")
+    assert keep(BEFORE, ()) == BEFORE
+
+
+def test_what_is_missing_is_added():
+    text = keep(BEFORE, (("avoid.soft_margin", 30), ("servos.rate", 200), ("windows.red", 9), ("windows.blue", 50)))
+    expected = BEFORE.replace("15 }", '15,\n    "soft_margin": 30 }').replace("3]\n  }", '3],\n    "rate": 200\n  }')
+    assert text == expected[:-3] + ',\n  "windows": {"blue": 50, "red": 9}\n}\n'
+    assert json.loads(keep("{}", (("drive.cruise", 100),))) == {"drive": {"cruise": 100}}
+    assert json.loads(keep('{"drive": {}}', (("drive.cruise", 100),))) == {"drive": {"cruise": 100}}
 
 
 def test_a_trim_of_one_wheel():
-    values, _ = keep('{"servos": {"trims": [1, 2, 3, 4]}}', (("servos.trims.2", -5),))
-    assert values == {"servos": {"trims": [1, 2, -5, 4]}}
-    values, _ = keep('{"servos": {"trims": 2}}', (("servos.trims.0", 7),))
-    assert values == {"servos": {"trims": [7, 2, 2, 2]}}
-    values, _ = keep("{}", (("servos.trims.3", 1.5),))
-    assert values == {"servos": {"trims": [0, 0, 0, 1.5]}}
+    text = keep(BEFORE, (("servos.trims.2", -5),), (1, 2, 3, 4))
+    assert text == BEFORE.replace("[1, 2, 3, 4]", "[1, 2, -5, 4]")
+    text = keep('{"servos": {"trims": 2}}', (("servos.trims.0", 7),), (2, 2, 2, 2))
+    assert json.loads(text) == {"servos": {"trims": [7, 2, 2, 2]}}
+    text = keep("{}", (("servos.trims.3", 1.5), ("servos.trims.1", -0.3)))
+    assert json.loads(text) == {"servos": {"trims": [0, -0.3, 0, 1.5]}}
+
+
+def test_a_file_that_is_no_longer_json_stays():
+    for broken in ('{"avoid": {"margin": 15}', '{"avoid": {"margin" 15}}', "", '{"avoid": {"margin": "15}}'):
+        with open(PATH, "w") as file:
+            file.write(broken)
+        settings = Settings(Config(), Drive(), Avoid(), PATH)
+        settings.tune("avoid.margin", 20)
+        assert "not JSON" in refused(settings.keep)
+        with open(PATH) as file:
+            assert file.read() == broken
+    os.remove(PATH)
 
 
 def test_a_refused_value_is_not_kept():
-    settings = Settings(Config(), Drive(), PATH)
+    settings = Settings(Config(), Drive(), Avoid(), PATH)
     assert "0 .. 100" in refused(settings.tune, "avoid.margin", 999)
     assert settings._changed == {}
 
 
 def test_a_missing_file_is_said():
-    assert "cannot be written" in refused(Settings(Config(), Drive(), "missing/robot.json").keep)
+    assert "cannot be written" in refused(Settings(Config(), Drive(), Avoid(), "missing/robot.json").keep)
 
 
 def test_pointing_needs_a_robot_that_stands():
     drive = Drive()
-    settings = Settings(Config(), drive, PATH)
+    settings = Settings(Config(), drive, Avoid(), PATH)
     settings.point(0, 100)
     drive.stands = False
     assert "must stand" in refused(settings.point, 0, 100)
+
+
+def test_the_robot_stands_while_tables_are_made_anew():
+    config, drive = Config(), Drive()
+    avoid = Avoid(config)
+    settings = Settings(config, drive, avoid, PATH)
+    settings.tune("drive.cruise", 100)
+    assert drive.stops == 0
+    settings.tune("avoid.margin", 20)
+    assert drive.stops == 1 and avoid.made_with == 20
+
+
+def test_without_memory_for_the_tables_nothing_changes():
+    config = Config()
+    avoid = Avoid(config)
+    avoid.memory = False
+    settings = Settings(config, Drive(), avoid, PATH)
+    assert "avoid.margin: no memory" in refused(settings.tune, "avoid.margin", 20)
+    assert config.get("avoid.margin") == 15 and settings._changed == {}

@@ -1,0 +1,33 @@
+"""What reasons.py and health.py number, in words. Needed once, at the start: the link keeps them as the message NAMES, a screen as bytes."""
+
+# By the numbers of reasons.py
+REASONS = (
+    "waiting for the lidar",
+    "way ahead is free",
+    "steering through the gap",
+    "opening the distance to an obstacle",
+    "moving sideways to line up",
+    "second part of a planned move",
+    "way ahead closes, comparing two moves at a time",
+    "backing out",
+    "backing up to line up with the gap",
+    "obstacle in the emergency window, getting away",
+    "touching, moving away from the point of contact",
+    "closed in, standing still",
+    "stopped by command",
+    "fault, standing still",
+    "driven by hand",
+    "turning on the spot",
+    "been here before, trying another way",
+    "something new in the way, stopped",
+)
+
+# By the faults of health.py
+FAULTS = (
+    "all is well",
+    "stop button pressed",
+    "lidar is silent: check its supply, motor and data line",
+    "a PWM chip does not answer: check its supply and the I2C lines",
+    "battery is empty: charge it",
+    "well again, waiting a moment before driving on",
+)
