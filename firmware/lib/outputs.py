@@ -20,16 +20,17 @@ _FULL = const(0x10)  # of ON_H and OFF_H: always on, always off
 def _servo_registers(angles: ptr16, lines: ptr32, image: ptr8) -> int:
     """count = centre + slope * angle, angle in 0.1 deg, for every wheel; return 1 if a register has changed.
 
-    lines: number of wheels, then of each the centre in 2**-15 counts, the slope in the same plus 2**15, and the place of OFF_L in the image.
+    lines: number of wheels, then of each the centre in 2**-15 counts, and (slope in the same + 2**15) * 64 + place of OFF_L in the image.
     """
     changed = 0
-    last = 3 * lines[0]
+    last = 2 * lines[0]
     k = 0
     at = 0
     while at < last:
         angle = (angles[k] ^ 0x8000) - 0x8000
-        count = (lines[at + 1] + angle * (lines[at + 2] - 0x8000) + 0x4000) >> 15
-        place = lines[at + 3]
+        place = lines[at + 2]
+        count = (lines[at + 1] + angle * ((place >> 6) - 0x8000) + 0x4000) >> 15
+        place &= 63
         high = count >> 8
         count &= 0xFF
         if image[place] != count or image[place + 1] != high:
@@ -37,7 +38,7 @@ def _servo_registers(angles: ptr16, lines: ptr32, image: ptr8) -> int:
             image[place + 1] = high
             changed = 1
         k += 1
-        at += 3
+        at += 2
     return changed
 
 
@@ -116,7 +117,7 @@ class Outputs:
         self._looked = -1  # third of a second in which a chip was looked at last
         self._tick = -1  # counts servo periods round a second; chips that failed are tried at 0
         wheels = 2 * config.axles
-        self._lines = array("i", bytes(4 * (1 + 3 * wheels)))
+        self._lines = array("i", bytes(4 * (1 + 2 * wheels)))
         self._wires = bytearray(1 + 2 * wheels)
         self._lines[0] = self._wires[0] = wheels
         for k in range(wheels):
@@ -139,9 +140,8 @@ class Outputs:
             first = chip.counts(config.servos_pulse_low[k], 32768)
             last = chip.counts(config.servos_pulse_high[k], 32768)
             slope = (last - first + 900) // 1800 * config.servos_directions[k]
-            lines[1 + 3 * k] = (first + last) // 2 + slope * config.servos_trims[k]
-            lines[2 + 3 * k] = slope + 0x8000
-            lines[3 + 3 * k] = 3 + 4 * config.servos_channels[k]
+            lines[1 + 2 * k] = (first + last) // 2 + slope * config.servos_trims[k]
+            lines[2 + 2 * k] = (slope + 0x8000) << 6 | 3 + 4 * config.servos_channels[k]
 
     def begin(self):
         """Set all chips up, every output still off. True if all answered."""

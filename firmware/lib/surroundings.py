@@ -5,9 +5,10 @@ are nearer than that. So every point is kept in a frame fixed to the floor and
 carried along by the robot's own motion until the lidar, looking straight at the
 place, sees past it.
 
-Points are thinned: one per floor cell (1/30 of the body length), each a running mean,
-leaning to the near side, of the samples that fell into its cell. Thinning bounds the
-planner's work and the mean takes the range noise out of a wall.
+Points are thinned: one per floor cell (1/30 of the body length, twice that farther off
+than a body length), each a running mean, leaning to the near side, of the samples that
+fell into its cell. Thinning bounds the planner's work and the mean takes the range
+noise out of a wall.
 
 Coordinates on the floor are 1/8 mm, modulo 2**16 (8.192 m): differences of two
 16-bit coordinates are right as long as the points lie within 4 m of each other.
@@ -19,51 +20,121 @@ from time import ticks_diff
 import micropython
 from micropython import const
 
-from trig import SIN, sin14, cos14
+from trig import SIN, cos14, sin14
 
-_STEP_US = const(10_000)  # of Odometry
 _CAPACITY = const(320)
+_CROWDED = const(270)
 _HASH = const(512)
+_PROBES = const(8)  # places in the index where a cell may be named, one after the other
+_NONE = const(0xFFFF)
+_SHARE = const(7)  # one slot in 8 is looked at on a frame for what changes slowly: distance, travel, room
+_HALF = const(0x8000)
+
+# Odometry's step and the times are taken in 16 us, so that their products with displacements stay small.
+_STEP = const(625)
+_LATE_US = const(10_000)
+_LATEST_US = const(60_000)
 
 # Positions in the state buffer shared with the viper functions.
 _COUNT = const(0)
-_FAR = const(1)  # half side of the square remembered, 1/8 mm
-_CELL = const(2)  # floor cell, 1/8 mm
-_REACH = const(3)  # longest range taken, quarter mm
-_FRAME = const(4)
-_TRAVEL = const(5)
+_FRAME = const(1)
+_TRAVEL = const(2)
+_X0 = const(3)  # the body at the frame's first point and at its last: 1/8 mm modulo 2**16
+_Y0 = const(4)
+_X1 = const(5)
+_Y1 = const(6)
+_HEADING = const(7)  # at the first, 0.01 deg, 0..35999
+_TURN = const(8)  # from the first to the last, 0.01 deg + 36000
+_FAR = const(9)  # half side of the square remembered, 1/8 mm
+_CELL = const(10)  # floor cell, 1/8 mm
+_PER_CELL = const(11)  # 2**20 / cell
+_REACH = const(12)  # longest range taken, quarter mm
+_KEEP = const(13)  # mm rolled before an unseen point is given up
+_COARSE = const(14)  # farther than this, 1/8 mm, a cell is four
+_STATES = const(15)
 
 
 @micropython.viper
-def _place(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32,
-           fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr16, index: ptr16, sine: ptr32):
-    """Put the points of one frame on the floor.
+def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int, turn: int, travel: int, late: int, span: int):
+    """Begin a frame: where the body was at its first and last point.
 
-    pose: x0, y0, x1, y1 (1/8 mm mod 2**16), heading0 (0.01 deg, 0..35999), turn + 36000 over
-    the frame: the body at the frame's first and last point (the scan rolls while the robot moves).
+    x, y, heading: as of now, 1/256 mm and 0.001 deg. step_x, step_y, turn: its motion in 10 ms, in the body frame.
+    travel: rolled until now, 1/256 mm. late, span: time since the last point, and from the first to it, 16 us.
     """
-    x0 = pose[0]
-    y0 = pose[1]
-    dx = (((pose[2] - x0) & 0xFFFF) ^ 0x8000) - 0x8000
-    dy = (((pose[3] - y0) & 0xFFFF) ^ 0x8000) - 0x8000
-    h0 = pose[4]
-    turn = pose[5] - 36000
-    size = state[2]
-    reach = state[3]  # quarter mm
-    far8 = state[1]
-    stamp = state[4]
-    rolled = state[5]
-    count = state[0]
-    near8 = state[6]
+    sine = ptr32(SIN)
+    state[_FRAME] = (state[_FRAME] + 1) & 0xFFFF
+    state[_TRAVEL] = (travel >> 8) & 0xFFFF
+    a = heading // 100
+    b = a + 900
+    if b >= 3600:
+        b -= 3600
+    k = 0
+    s = 0
+    c = 0
+    while k < 2:
+        # sine of a, then of b: its cosine, scaled 2**14
+        c = s
+        t = b
+        if k:
+            t = a
+        s = t
+        if s >= 1800:
+            s -= 1800
+        if s > 900:
+            s = 1800 - s
+        s = (sine[s] + 32768) >> 16
+        if t >= 1800:
+            s = 0 - s
+        k += 1
+    # Displacement on the floor in one step, 1/256 mm; far below 2**14.
+    wx = (step_x * c + step_y * s) >> 14
+    wy = (step_y * c - step_x * s) >> 14
+    x -= wx * late // _STEP
+    y -= wy * late // _STEP
+    state[_X1] = (x >> 5) & 0xFFFF
+    state[_Y1] = (y >> 5) & 0xFFFF
+    state[_X0] = ((x - wx * span // _STEP) >> 5) & 0xFFFF
+    state[_Y0] = ((y - wy * span // _STEP) >> 5) & 0xFFFF
+    turned = turn * span // _STEP
+    first = (heading - turn * late // _STEP - turned) // 10
+    while first < 0:
+        first += 36000
+    while first >= 36000:
+        first -= 36000
+    state[_HEADING] = first
+    state[_TURN] = turned // 10 + 36000
+
+
+@micropython.viper
+def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
+           fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr16, index: ptr16):
+    """Put the points of one frame on the floor, each from where the body was then: the scan rolls while the robot moves."""
+    sine = ptr32(SIN)
+    # The body's pose from point to point in 2**-13 of its units, n of them more: so rounding down hits what a division would give.
+    x = (state[_X0] << 13) + n
+    y = (state[_Y0] << 13) + n
+    h = ((state[_HEADING] + 5) << 13) + n
+    step_x = (((((state[_X1] - state[_X0]) & 0xFFFF) ^ _HALF) - _HALF) << 13) // n
+    step_y = (((((state[_Y1] - state[_Y0]) & 0xFFFF) ^ _HALF) - _HALF) << 13) // n
+    step_h = ((state[_TURN] - 36000) << 13) // n
+    size = state[_CELL]
+    per = state[_PER_CELL]
+    reach = state[_REACH]
+    far8 = state[_FAR]
+    stamp = state[_FRAME]
+    rolled = state[_TRAVEL]
+    coarse = state[_COARSE]
+    count = state[_COUNT]
     i = 0
     while i < n:
         d = distances[i]
-        if d != 0 and d <= reach:
-            a = (h0 + 5 + turn * i // n) // 10 + bearings[i]
+        if d - 1 < reach and d:
+            a = h >> 13
+            if a < 0:
+                a += 36000
+            a = ((a * 26215) >> 18) + bearings[i]  # a // 10
             while a >= 3600:
                 a -= 3600
-            while a < 0:
-                a += 3600
             # sine and cosine scaled 2**14 from the quarter-wave table
             if a < 1800:
                 if a <= 900:
@@ -81,60 +152,68 @@ def _place(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32,
                     c = sine[a - 2700] >> 16
             s = (d * s) >> 13
             c = (d * c) >> 13
-            if s > far8 or c > far8 or s < 0 - far8 or c < 0 - far8:
-                i += 1
-                continue
-            px = (x0 + dx * i // n + s) & 0xFFFF
-            py = (y0 + dy * i // n + c) & 0xFFFF
-            # Far off a cell is four: even rows and columns name it.
-            k = 255
-            if s > near8 or c > near8 or s < 0 - near8 or c < 0 - near8:
-                k = 254
-            key = ((px // size & k) << 8) + (py // size & k)
-            h = (key * 157 >> 5) & 511
-            k = index[h]
-            free = h
-            probes = 8
-            while probes > 0 and (k == 0xFFFF or cell[k] != key):
-                if index[free] != 0xFFFF:
-                    free = h
-                h = (h + 1) & 511
-                k = index[h]
-                probes -= 1
-            if probes > 0:
-                ex = (((px - fx[k]) & 0xFFFF) ^ 0x8000) - 0x8000
-                ey = (((py - fy[k]) & 0xFFFF) ^ 0x8000) - 0x8000
-                # A sample nearer than the mean pulls four times as hard as a farther one: the tip of a corner
-                # would vanish in a plain mean, and the body turns about corners.
-                if ex * s + ey * c < 0:
-                    ex = (ex + 2) >> 2
-                    ey = (ey + 2) >> 2
-                else:
-                    ex = (ex + 8) >> 4
-                    ey = (ey + 8) >> 4
-                fx[k] = (fx[k] + ex) & 0xFFFF
-                fy[k] = (fy[k] + ey) & 0xFFFF
-                frame[k] = stamp
-                travel[k] = rolled
-            elif count < 320:
-                if index[free] != 0xFFFF:
-                    free = h
-                k = count
-                count += 1
-                if index[free] == 0xFFFF:
-                    index[free] = k
-                cell[k] = key
-                fx[k] = px
-                fy[k] = py
-                frame[k] = stamp
-                travel[k] = rolled
+            if s <= far8 and c <= far8 and s + far8 >= 0 and c + far8 >= 0:
+                px = ((x >> 13) + s) & 0xFFFF
+                py = ((y >> 13) + c) & 0xFFFF
+                # px // size and py // size: the product falls short by one at most
+                cx = ((px >> 2) * per) >> 18
+                if (cx + 1) * size <= px:
+                    cx += 1
+                cy = ((py >> 2) * per) >> 18
+                if (cy + 1) * size <= py:
+                    cy += 1
+                # The square remembered is 105 cells wide: rows and columns are told apart by 8 bits.
+                k = 255
+                if s > coarse or c > coarse or s + coarse < 0 or c + coarse < 0:
+                    k = 254
+                key = ((cx & k) << 8) + (cy & k)
+                at = (key * 157 >> 5) & 511
+                probes = _PROBES
+                free = at
+                k = index[at]
+                while probes:
+                    if k == _NONE:
+                        if index[free] != _NONE:
+                            free = at
+                    elif cell[k] == key:
+                        break
+                    at = (at + 1) & 511
+                    k = index[at]
+                    probes -= 1
+                if probes:
+                    ex = (((px - fx[k]) & 0xFFFF) ^ _HALF) - _HALF
+                    ey = (((py - fy[k]) & 0xFFFF) ^ _HALF) - _HALF
+                    # A sample nearer than the mean pulls four times as hard as a farther one: the tip of a corner
+                    # would vanish in a plain mean, and the body turns about corners.
+                    if ex * s + ey * c < 0:
+                        ex = (ex + 2) >> 2
+                        ey = (ey + 2) >> 2
+                    else:
+                        ex = (ex + 8) >> 4
+                        ey = (ey + 8) >> 4
+                    fx[k] = (fx[k] + ex) & 0xFFFF
+                    fy[k] = (fy[k] + ey) & 0xFFFF
+                    frame[k] = stamp
+                    travel[k] = rolled
+                elif count < _CAPACITY:
+                    if index[free] == _NONE:
+                        index[free] = count
+                    cell[count] = key
+                    fx[count] = px
+                    fy[count] = py
+                    frame[count] = stamp
+                    travel[count] = rolled
+                    count += 1
+        x += step_x
+        y += step_y
+        h += step_h
         i += 1
-    state[0] = count
+    state[_COUNT] = count
 
 
 @micropython.viper
-def _forget(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32, fx: ptr16, fy: ptr16,
-            cell: ptr16, frame: ptr16, travel: ptr16, index: ptr16, sine: ptr32, keep: int):
+def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
+            fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr16, index: ptr16):
     """Drop what the frame disproves, what is too old and what is too far.
 
     A point in the frame's sector is disproved when all beams that could have met it go more than a
@@ -143,123 +222,173 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32
     nearer, or inside the blind disc, is kept until the robot has rolled `keep` mm: drift, not time,
     is what makes memory wrong.
     """
-    x = pose[2]
-    y = pose[3]
-    h = (pose[4] + pose[5] - 36000) // 10
-    a0 = h + bearings[0]
-    a1 = h + bearings[n - 1]
-    k = 0
+    sine = ptr32(SIN)
     s0 = 0
     c0 = 0
     s1 = 0
     c1 = 0
+    k = 0
     while k < 2:
-        a = a0
-        if k == 1:
-            a = a1
+        a = (state[_HEADING] + state[_TURN] - 36000) // 10 + bearings[k * (n - 1)]
         while a >= 3600:
             a -= 3600
         while a < 0:
             a += 3600
-        s = 0
-        c = 0
+        # directions of the first and of the last beam, scaled 2**10
+        s0 = s1
+        c0 = c1
         if a < 1800:
             if a <= 900:
-                s = sine[a] >> 20
-                c = sine[900 - a] >> 20
+                s1 = sine[a] >> 20
+                c1 = sine[900 - a] >> 20
             else:
-                s = sine[1800 - a] >> 20
-                c = 0 - (sine[a - 900] >> 20)
+                s1 = sine[1800 - a] >> 20
+                c1 = 0 - (sine[a - 900] >> 20)
         else:
             if a <= 2700:
-                s = 0 - (sine[a - 1800] >> 20)
-                c = 0 - (sine[2700 - a] >> 20)
+                s1 = 0 - (sine[a - 1800] >> 20)
+                c1 = 0 - (sine[2700 - a] >> 20)
             else:
-                s = 0 - (sine[3600 - a] >> 20)
-                c = sine[a - 2700] >> 20
-        if k == 0:
-            s0 = s
-            c0 = c
-        else:
-            s1 = s
-            c1 = c
+                s1 = 0 - (sine[3600 - a] >> 20)
+                c1 = sine[a - 2700] >> 20
         k += 1
-    count = state[0]
-    stamp = state[4]
-    rolled = state[5]
-    size = state[2]
-    far8 = state[1]
-    near8 = far8 * 3 >> 3  # two thirds of a body length
-    patience = (320 - count) * 4
+    mirrored = 0
+    if s1 * c0 < c1 * s0:
+        mirrored = 1
+        k = s0
+        s0 = s1
+        s1 = k
+        k = c0
+        c0 = c1
+        c1 = k
+    count = state[_COUNT]
+    stamp = state[_FRAME]
+    far8 = state[_FAR]
+    margin = (state[_CELL] >> 3) + 20
+    patience = (_CAPACITY - count) * 4
+    # Coordinates relative to the body are taken with 2**15 added: it is cheaper to take their share off the products.
+    x = state[_X1] - _HALF
+    y = state[_Y1] - _HALF
+    first = (c0 - s0) << 15
+    last = (s1 - c1) << 15
     k = 0
     while k < count:
-        px = (((fx[k] - x) & 0xFFFF) ^ 0x8000) - 0x8000
-        py = (((fy[k] - y) & 0xFFFF) ^ 0x8000) - 0x8000
+        px = (fx[k] - x) & 0xFFFF
+        py = (fy[k] - y) & 0xFFFF
         gone = 0
-        if px > far8 or py > far8 or px < 0 - far8 or py < 0 - far8:
-            gone = 1
-        elif ((rolled - travel[k]) & 0xFFFF) > keep:
-            gone = 1
-        elif count > 250 and ((stamp - frame[k]) & 0xFFFF) > patience and (px > near8 or py > near8 or px < 0 - near8 or py < 0 - near8):
-            # Room runs out: what is out of sight and out of reach goes first, or there would be none for what comes.
-            gone = 1
-        elif frame[k] != stamp:
-            # clockwise from the first beam and anticlockwise from the last: inside the sector
-            u = (px * c0 - py * s0) >> 6
-            v = (py * s1 - px * c1) >> 6
-            if u >= 0 and v >= 0 and (u + v) > 0 and (px * (s0 + s1) + py * (c0 + c1)) > 0:
-                r2 = (px >> 3) * (px >> 3) + (py >> 3) * (py >> 3)
-                # The beams that could have met it: those within 20 mm of it, many where it is near.
-                r = 64
-                while r * r < r2:
-                    r += r >> 2
-                side = 51 * n // r + 1
-                i = u * (n - 1) // (u + v)
+        # clockwise from the first beam and anticlockwise from the last: inside the sector
+        u = px * c0 - py * s0 - first
+        if u >= 0:
+            v = py * s1 - px * c1 - last
+            if v >= 0:
                 age = (stamp - frame[k]) & 0xFFFF
-                j = i - side
-                last = i + side + 1
-                clipped = 0
-                if j < 0:
-                    j = 0
-                    clipped = 1
-                if last > n:
-                    last = n
-                    clipped = 1
-                lo = 0x7FFF
-                hi = 0
-                while j < last:
-                    d = distances[j]
-                    if d < lo:
-                        lo = d
-                    if d > hi:
-                        hi = d
-                    j += 1
-                if lo > 0 and (clipped == 0 or age > 200):
-                    past = (lo >> 2) - (size >> 3) - 20
-                    if past > 0 and r2 < past * past:
-                        gone = 1
-                    elif age > 24 and hi < lo + 160:
-                        # one surface, and it is not where the point is
-                        near = (hi >> 2) + (size >> 3) + 20
-                        if r2 < near * near:
-                            gone = 1
+                u >>= 6
+                v >>= 6
+                if age and u + v:
+                    i = u * (n - 1) // (u + v)
+                    if mirrored:
+                        i = n - 1 - i
+                    # Nothing disproves it that is not farther than this in every beam, so most are done with the one in the middle.
+                    beyond = 0 - margin
+                    if age > 24:
+                        beyond = margin + 40
+                    d = distances[i]
+                    reach = (d >> 2) + beyond
+                    if d and reach > 0:
+                        rx = (px >> 3) - 4096
+                        ry = (py >> 3) - 4096
+                        r2 = rx * rx + ry * ry
+                        if r2 < reach * reach:
+                            # The beams that could have met it: those within 20 mm of it, many where it is near.
+                            r = 64
+                            if r2 > 737 * 737:
+                                r = 921
+                            elif r2 > 243 * 243:
+                                r = 303
+                            while r * r < r2:
+                                r += r >> 2
+                            side = 51 * n // r + 1
+                            j = i - side
+                            end = i + side + 1
+                            clipped = 0
+                            if j < 0:
+                                j = 0
+                                clipped = 1
+                            if end > n:
+                                end = n
+                                clipped = 1
+                            if clipped == 0 or age > 200:
+                                # Where one beam is not past it, only one surface all along disproves it.
+                                spread = 0x10000
+                                if (d >> 2) <= margin or r2 >= ((d >> 2) - margin) * ((d >> 2) - margin):
+                                    spread = 160
+                                # Walls slope: if not in the middle, the nearest beam is at an end, and the rest is soon done.
+                                lo = distances[j]
+                                hi = distances[end - 1]
+                                if lo > hi:
+                                    lo = hi
+                                    hi = distances[j]
+                                reach = (lo >> 2) + beyond
+                                if lo == 0 or reach <= 0 or r2 >= reach * reach or hi - lo >= spread:
+                                    lo = 0
+                                    end = 0
+                                j += 1
+                                while j < end:
+                                    d = distances[j]
+                                    if d < lo:
+                                        lo = d
+                                        reach = (d >> 2) + beyond
+                                        if d == 0 or reach <= 0 or r2 >= reach * reach or hi - d >= spread:
+                                            lo = 0
+                                            end = 0
+                                    elif d > hi:
+                                        hi = d
+                                        if d - lo >= spread:
+                                            lo = 0
+                                            end = 0
+                                    j += 1
+                                if lo:
+                                    past = (lo >> 2) - margin
+                                    if past > 0 and r2 < past * past:
+                                        gone = 1
+                                    elif age > 24 and hi < lo + 160:
+                                        # one surface, and it is not where the point is
+                                        near = (hi >> 2) + margin
+                                        if r2 < near * near:
+                                            gone = 1
+        if (k ^ stamp) & _SHARE == 0:
+            px -= _HALF
+            py -= _HALF
+            if px < 0:
+                px = 0 - px
+            if py < 0:
+                py = 0 - py
+            if py > px:
+                px = py
+            if px > far8 or (state[_TRAVEL] - travel[k]) & 0xFFFF > state[_KEEP]:
+                gone = 1
+            elif count > _CROWDED and px > far8 * 3 >> 3 and (stamp - frame[k]) & 0xFFFF > patience:
+                # Room runs out: what is out of sight and farther than two thirds of a body length goes first, or there would be none
+                # for what comes.
+                gone = 1
         if gone:
-            h = (cell[k] * 157 >> 5) & 511
+            at = (cell[k] * 157 >> 5) & 511
             j = 0
-            while j < 9:
-                if index[h] == k:
-                    index[h] = 0xFFFF
-                    j = 9
-                h = (h + 1) & 511
+            while j < _PROBES:
+                if index[at] == k:
+                    index[at] = _NONE
+                    j = _PROBES
+                at = (at + 1) & 511
                 j += 1
+            # The last slot moves here.
             count -= 1
-            h = (cell[count] * 157 >> 5) & 511
+            at = (cell[count] * 157 >> 5) & 511
             j = 0
-            while j < 9:
-                if index[h] == count:
-                    index[h] = k
-                    j = 9
-                h = (h + 1) & 511
+            while j < _PROBES:
+                if index[at] == count:
+                    index[at] = k
+                    j = _PROBES
+                at = (at + 1) & 511
                 j += 1
             fx[k] = fx[count]
             fy[k] = fy[count]
@@ -268,7 +397,7 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, pose: ptr32, state: ptr32
             travel[k] = travel[count]
         else:
             k += 1
-    state[0] = count
+    state[_COUNT] = count
 
 
 @micropython.viper
@@ -298,6 +427,7 @@ class Surroundings:
     def __init__(self, config):
         length = config.robot_length
         far8 = min(length * 14, 30000)  # 1.75 body lengths to each side
+        size = length * 8 // 30
         self.keep = 6 * length  # mm rolled before an unseen point is given up: lining up at a corner takes many short moves
         self._fx = array("H", bytes(2 * _CAPACITY))
         self._fy = array("H", bytes(2 * _CAPACITY))
@@ -305,8 +435,13 @@ class Surroundings:
         self._frame = array("H", bytes(2 * _CAPACITY))
         self._travel = array("H", bytes(2 * _CAPACITY))
         self._index = array("H", b"\xff\xff" * _HASH)
-        self._pose = array("i", [0] * 6)
-        self._state = array("i", [0, far8, length * 8 // 30, min(far8 * 7 // 10, 32000), 0, 0, length * 8])
+        self._state = state = array("i", [0] * _STATES)
+        state[_FAR] = far8
+        state[_CELL] = size
+        state[_PER_CELL] = (1 << 20) // size
+        state[_REACH] = min(far8 * 7 // 10, 32000)
+        state[_KEEP] = self.keep
+        state[_COARSE] = length * 8
 
     @property
     def count(self):
@@ -322,43 +457,21 @@ class Surroundings:
         if n < 2:
             return
         late = ticks_diff(odometry.now_us, lidar.frame_us)
-        if late < -60_000 or late > 60_000:
-            late = 10_000
-        late >>= 4
-        span = lidar.period_us >> 4
-        step = _STEP_US >> 4
-        # Displacement on the floor in one step, 1/256 mm; far below 2**14.
-        a = odometry.heading // 100
-        s = sin14(a)
-        c = cos14(a)
-        wx = (odometry.step_x * c + odometry.step_y * s) >> 14
-        wy = (odometry.step_y * c - odometry.step_x * s) >> 14
-        turn = odometry.step_heading
-        x1 = odometry.x - wx * late // step
-        y1 = odometry.y - wy * late // step
-        h1 = odometry.heading - turn * late // step
-        x0 = x1 - wx * span // step
-        y0 = y1 - wy * span // step
-        turned = turn * span // step
-        h0 = (h1 - turned) // 10
-        while h0 < 0:
-            h0 += 36000
-        while h0 >= 36000:
-            h0 -= 36000
-        pose = self._pose
-        pose[0] = (x0 >> 5) & 0xFFFF
-        pose[1] = (y0 >> 5) & 0xFFFF
-        pose[2] = (x1 >> 5) & 0xFFFF
-        pose[3] = (y1 >> 5) & 0xFFFF
-        pose[4] = h0
-        pose[5] = turned // 10 + 36000
+        if not -_LATEST_US <= late <= _LATEST_US:
+            late = _LATE_US
         state = self._state
-        state[_FRAME] = (state[_FRAME] + 1) & 0xFFFF
-        state[_TRAVEL] = odometry.travel & 0xFFFF
-        _place(lidar.bearings, lidar.distances, n, pose, state, self._fx, self._fy, self._cell,
-               self._frame, self._travel, self._index, SIN)
-        _forget(lidar.bearings, lidar.distances, n, pose, state, self._fx, self._fy, self._cell,
-                self._frame, self._travel, self._index, SIN, self.keep)
+        _locate(state, odometry.x, odometry.y, odometry.heading, odometry.step_x, odometry.step_y, odometry.step_heading,
+                odometry.travel256, late >> 4, lidar.period_us >> 4)
+        bearings = lidar.bearings
+        distances = lidar.distances
+        fx = self._fx
+        fy = self._fy
+        cell = self._cell
+        frame = self._frame
+        travel = self._travel
+        index = self._index
+        _place(bearings, distances, n, state, fx, fy, cell, frame, travel, index)
+        _forget(bearings, distances, n, state, fx, fy, cell, frame, travel, index)
 
     def view(self, odometry, bx, by, reach):
         """Fill bx, by (array 'H', mm + 8192, body frame) with the points within reach mm; returns their number."""

@@ -25,7 +25,7 @@ class _Memory:
 
     def roll(self, mm):
         self.odometry.y += mm * 256
-        self.odometry.travel += mm
+        self.odometry.travel256 += mm * 256
 
     def seen(self):
         """[(x, y)] in the body frame."""
@@ -64,7 +64,7 @@ def test_what_comes_too_near_to_be_seen_is_remembered():
 def test_it_is_given_up_after_a_long_way():
     memory = _Memory()
     memory.look(_post(400))
-    memory.odometry.travel += memory.points.keep + 10
+    memory.odometry.travel256 += (memory.points.keep + 10) * 256
     memory.look(_post(0))
     assert memory.seen() == []
 
