@@ -192,6 +192,7 @@ class Avoid:
         self._field_y = 0
         self._field_heading = 0
         self._field_frame = 0
+        self._renewing = False
         self._decided_travel = 0
         self._decided_frame = 0
         self._travel256 = 0
@@ -235,6 +236,7 @@ class Avoid:
             self.why = reasons.LOOKING
             self._plan = 0
             self._stage = _FIELD
+            self._renewing = False
             self._next = 0
         self.cruise = c.drive_cruise
         self.look_ahead = self.envelopes.look_ahead
@@ -406,17 +408,16 @@ class Avoid:
             self.configure()
         stage = self._stage
         if stage == _FIELD:
-            if self.field.work(odometry, self.points):
+            if self._renew_field(odometry):
                 self._stage = _IDLE
-                self._field_x = odometry.x
-                self._field_y = odometry.y
-                self._field_heading = odometry.heading
-                self._field_frame = self._ready
             return False
         if stage == _IDLE:
             if self._resting(odometry):
+                # A plan near its end: the next decision will want a field that fits.
+                if self._plan and self._left(odometry) < self.look_ahead >> 2 and (self._renewing or not self._field_fits(odometry)):
+                    self._renew_field(odometry)
                 return False
-            if self._ready < 20 or not self._worth_waiting(odometry):
+            if self._plan == 0 and (self._ready < 20 or self._renewing or not self._field_fits(odometry)):
                 self._stage = _FIELD
                 return False
             if self._guarded != self._ready:
@@ -424,8 +425,10 @@ class Avoid:
                 if self._plan:
                     self.free = self._current_free()
                 self._guarded = self._ready
-            if self._plan and self._follow(odometry):
-                return self._publish()
+            if self._plan:
+                if self._follow(odometry):
+                    return self._publish()
+                return False
             self._stand_here(odometry)
             self._stage = _RIGHT
             self._next = 0
@@ -487,7 +490,19 @@ class Avoid:
         rolled = (odometry.travel256 - self._decided_travel) & 0x3FFFFFF
         return rolled < self.look_ahead * 5 and self._ready - self._decided_frame < 8
 
-    def _worth_waiting(self, odometry):
+    def _renew_field(self, odometry):
+        """One slice of the next field; True after the last. It cannot be asked before."""
+        if not self._renewing:
+            self._renewing = True
+            self._field_x = odometry.x
+            self._field_y = odometry.y
+            self._field_heading = odometry.heading
+            self._field_frame = self._ready
+        if self.field.work(odometry, self.points):
+            self._renewing = False
+        return not self._renewing
+
+    def _field_fits(self, odometry):
         """Whether the field in use still fits: the robot has hardly moved since and it is not old."""
         if not self.field.ready:
             return False

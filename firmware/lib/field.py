@@ -21,8 +21,8 @@ from micropython import const
 
 from once import forget
 
-_POINTS = const(45)  # closed in one slice
-_POSES = const(300)  # spread in one slice
+_POINTS = const(37)  # closed in one slice
+_POSES = const(260)  # spread in one slice
 _N = const(30)
 _TURNS = const(12)
 _PLACES = const(900)

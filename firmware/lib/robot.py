@@ -25,7 +25,7 @@ class Robot:
         self.odometry = Odometry(config)
         self.took_us = 0
         self._slices_us = 0
-        self._spare = False
+        self._spare = 0
 
     def step(self):
         """Once round. Returns True if a lidar frame was taken in."""
@@ -54,10 +54,10 @@ class Robot:
         elif seen:
             self._watch_out()
             self._decide()
-            self._spare = True
+            # Between two frames there is time for a second slice; while the robot stands, for a third.
+            self._spare = 1 if drive.v256 else 2
         elif self._spare:
-            # Between two frames there is time for a second slice.
-            self._spare = False
+            self._spare -= 1
             self._decide()
         drive.update(now)
         if link is not None:
