@@ -27,7 +27,8 @@ _NODES = const(6)
 _NOTHING = const(65535)
 _NO_POINT = const(32767)
 _LEFT_SIDE = const(1000)
-_SLICE = const(1700)  # candidate tests in one slice
+_SLICE = const(1800)  # candidate tests in one slice
+_OVERHEAD = const(76)  # what is done once for a candidate, its five ends valued above all, in tests
 _PATIENCE = const(5)  # times backing up on the same ground
 
 # Stages of a decision.
@@ -322,7 +323,7 @@ class Avoid:
             first = env.astern_first
         elif variant < 2 and env.ahead_end <= first < env.arcs:
             first = env.arcs
-        last = first + _SLICE // (self._n + 16) + 1
+        last = first + _SLICE // (self._n + _OVERHEAD) + 1
         if variant < 2 and first < env.ahead_end:
             last = min(last, env.ahead_end)
         last = min(last, env.count)
@@ -668,7 +669,7 @@ class Avoid:
         if env.ahead_end <= first < env.arcs:
             first = env.arcs
         stride = 2 if first < env.arcs else 1
-        last = min(first + stride * (_SLICE // (n + 16) + 1), env.ahead_end if stride == 2 else env.count)
+        last = min(first + stride * (_SLICE // (n + _OVERHEAD) + 1), env.ahead_end if stride == 2 else env.count)
         self._sweep.run(self._nx, self._ny, n, self._near2, first, last, stride, env.lengths[1], self._free2, self._soft2, self._block)
         self._worth(second, self._free2, self._soft2, self._score2, first, last, stride, a, r, 60)
         b = _best(self._score2, first, last, stride)

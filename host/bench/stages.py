@@ -15,7 +15,7 @@ WORDS = {
     "act": "steering of all wheels, register bursts of three chips",
     "reaction": "last byte that shows something new to first register byte",
 }
-POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN = (KINDS.index(name) for name in KINDS[1:])
+POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN, STOP = (KINDS.index(name) for name in KINDS[1:])
 
 
 @dataclass
@@ -76,6 +76,11 @@ def samples(log, modelled):
                 last, whole = whole, 0.0
         elif kind == COMMAND:
             command += us
+        elif kind == STOP:
+            if pending:
+                # The guard stops the motors itself: no servo period is waited for.
+                out.reaction.append(pending[0] + us)
+                pending = None
         elif kind == UPDATE:
             if extra:
                 out.act.append(command + us + (extra if modelled else 0))

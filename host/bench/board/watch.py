@@ -6,7 +6,7 @@ from array import array
 import lockstep
 import log
 import micropython
-from log import COMMAND, FEED, GUARD, KINDS, PAPER, PLACE, PLAIN, POINTS, POLL, TURN, UPDATE, WORK
+from log import COMMAND, FEED, GUARD, KINDS, PAPER, PLACE, PLAIN, POINTS, POLL, STOP, TURN, UPDATE, WORK
 
 
 class Watch:
@@ -26,6 +26,7 @@ class Watch:
         self.wrap(avoid, "work", self.after_work)
         self.wrap(robot.drive, "command", self.after_command)
         self.wrap(robot.drive, "update", self.after_update)
+        self.wrap(robot.drive, "stop", self.after_stop)
 
     def wrap(self, part, name, after):
         function = getattr(part, name)
@@ -81,6 +82,10 @@ class Watch:
     def after_update(self, value, out, waited):
         if waited or out:
             log.write(UPDATE, value, waited)
+
+    def after_stop(self, value, out, waited):
+        if waited:
+            log.write(STOP, value, waited)
 
     def decided(self, avoid):
         pass
@@ -165,7 +170,7 @@ class Counter(Watch):
         self.counters = COUNTERS
         self.worst = [0] * KINDS
         self.worst_counters = [array("i", bytes(4 * self.size)) for _ in range(KINDS)]
-        self.kinds = {"poll": POLL, "frame": PLACE, "guard": GUARD, "work": WORK, "command": COMMAND, "update": UPDATE, "advance": FEED, "step": TURN}
+        self.kinds = {"poll": POLL, "frame": PLACE, "guard": GUARD, "work": WORK, "command": COMMAND, "update": UPDATE, "advance": FEED, "step": TURN, "stop": STOP}
         super().__init__(robot)
 
     def begin(self):
