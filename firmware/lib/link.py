@@ -1,6 +1,6 @@
 """The robot's link to people: says what it does, hears what they want, over USB and, if there are credentials, over WiFi.
 
-    link = link_start.start_link(config, settings, machine)       or Link(...), with the carriers handed in
+    link = link_start.start_link(config, settings, names, machine)       or Link(...), with the carriers handed in
     link.update(now_us, robot)        once a loop; never waits, at most one message a call and carrier
     link.frame(lidar)                 after each frame of the lidar
     link.state, link.af, link.ar, link.v    what is asked for: telemetry.STOPPED, AUTO, MANUAL; AF, AR (0.1 deg) and V count in MANUAL
@@ -44,7 +44,7 @@ class Link:
         self.radio = any(carrier.signed for carrier in carriers)
         self._encoder = Encoder(datagrams=self.radio)
         self._report = Report(self._encoder, identity, names)
-        self._scan = None
+        self._scan = ScanGatherer(config.lidar_frames, settings.room)
         self._settings = settings
         self._config = config
         self.dropped = 0
@@ -99,9 +99,6 @@ class Link:
     def frame(self, lidar):
         """Take note of a lidar frame, for those who want raw scans."""
         if self._commands.watch & 1:
-            if self._scan is None:
-                # 1.4 kB that most robots never need
-                self._scan = ScanGatherer(self._config.lidar_frames)
             self._scan.add(lidar)
 
     def update(self, now_us, robot):
@@ -209,7 +206,7 @@ class Link:
             self._points_us = now_us
             self._points_of = self._decisions
             return report.points(avoid, now_us)
-        if self._scan is not None and self._scan.ready:
+        if self._scan.ready:
             return self._scan.take(self._encoder)
         if commands.watch & 2 and self._due(now_us, self._candidates_us, _CANDIDATES_US):
             self._candidates_us = now_us

@@ -8,6 +8,7 @@ import micropython
 import telemetry
 from auth import tag
 from link import Link
+from room import Room
 from telemetry import Decoder, copy, decode, frame
 
 SESSION = b"sessions"
@@ -18,7 +19,8 @@ class Config:
     lidar_frames = 16
     axles = 1
     servos_trims = array("h", [0, -15])
-    live = (("avoid_margin", 0, 100, "mm"), ("b", 0, 2, ""))
+    live = ("avoid_margin", "b")
+    limits = array("h", [0, 100, 0, 2])
     avoid_margin = 15
     b = 1
 
@@ -77,6 +79,7 @@ class Robot:
 class Settings:
     def __init__(self):
         self.tuned = []
+        self.room = Room()
 
     def tune(self, key, value):
         if key != "avoid.margin":
@@ -146,7 +149,7 @@ class Line:
 def make(signed=False, key=KEY):
     line = Line(signed)
     settings = Settings()
-    link = Link(Config(), settings, {"firmware": "1"}, {"reasons": ["a"]}, [line], SESSION, key)
+    link = Link(Config(), settings, {"firmware": "1"}, b'{"reasons": ["a"]}', [line], SESSION, key)
     robot = Robot()
     robot.tuned = settings.tuned
     return link, line, robot
