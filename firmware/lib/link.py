@@ -16,6 +16,7 @@ from time import ticks_diff
 
 import telemetry
 from commands import Commands
+from health import STOP_BUTTON
 from micropython import const
 from report import Report, ScanGatherer, parameters
 from telemetry import Encoder
@@ -28,6 +29,7 @@ _HEALTH_US = const(500_000)
 _CANDIDATES_US = const(250_000)
 _HELLO_US = const(1_000_000)
 _NAMES_HELLOS = const(8)
+_LONG_US = const(1_000_000)  # a press of the stop button that lets a standing robot drive
 _WAITING = const(6)  # replies and lines of the log kept until there is room
 
 
@@ -57,6 +59,8 @@ class Link:
         self._names_due = True
         self._replies = []
         self._drive_fault = ""
+        self._pressed_us = None  # since when the stop button is held
+        self._stood = False  # before it was
         self._battery_low = False
         self._logs = []
 
@@ -116,6 +120,8 @@ class Link:
                 elif carrier.decoder.kind == telemetry.GREET and carrier.signed:
                     self._answer(carrier, now_us)
         commands.expire(now_us)
+        if robot.health is not None:
+            self._button(now_us, robot.health.fault == STOP_BUTTON)
         self._remark(robot)
         if self._due(now_us, self._hello_us, _HELLO_US) or commands.greeted:
             self._hello(now_us)
@@ -154,6 +160,20 @@ class Link:
             self._battery_low = low
             if low:
                 self.log(1, "battery is low: charge it soon")
+
+    def _button(self, now_us, pressed):
+        """The stop button is a command to stop, and like one it counts until there is another. Pressed long, it lets a standing robot drive."""
+        commands = self._commands
+        if pressed:
+            if self._pressed_us is None:
+                self._pressed_us = now_us
+                self._stood = commands.state == telemetry.STOPPED
+                self.log(1, "stopped by its button; auto, driving by hand, or another press of a second lets it go on")
+            commands.stop()
+        elif self._pressed_us is not None:
+            if self._stood and ticks_diff(now_us, self._pressed_us) >= _LONG_US:
+                self.drive_itself()
+            self._pressed_us = None
 
     def _has_room(self):
         """Whether every carrier takes any message now."""

@@ -16,7 +16,7 @@ REASONS = (
     "obstacle in the emergency window, getting away",
     "touching, moving away from the point of contact",
     "closed in, standing still",
-    "stopped by command",
+    "stopped by command or button",
     "fault, standing still",
     "driven by hand",
     "turning on the spot",
