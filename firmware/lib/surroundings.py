@@ -160,7 +160,14 @@ def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
                 key = (cx * 1024 + cy) & 0xFFFF
                 at = (cx * 37 + cy * 101) & 1023
                 k = index[at]
-                # A slot whose cell is another one (hash collision or recycled) is not this cell.
+                # A slot whose cell is another one (hash collision or recycled) is not this cell. Each cell has two places in the
+                # index, or a fifth of the slots would be second copies of cells that take turns in one place.
+                if k >= count or cell[k] != key:
+                    ex = index[at ^ 1]
+                    if ex < count and cell[ex] == key:
+                        k = ex
+                    elif k < count and (ex >= count or ((stamp - frame[ex]) & 0xFFFF) > ((stamp - frame[k]) & 0xFFFF)):
+                        at ^= 1  # the other place is free, or its cell was seen longer ago
                 if k < count and cell[k] == key:
                     ex = (((px - fx[k]) & 0xFFFF) ^ _HALF) - _HALF
                     ey = (((py - fy[k]) & 0xFFFF) ^ _HALF) - _HALF
@@ -364,7 +371,10 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
             cy = ((fy[k] >> 2) * per) >> 18
             if (cy + 1) * size <= fy[k]:
                 cy += 1
-            index[(cx * 37 + cy * 101) & 1023] = k
+            cx = (cx * 37 + cy * 101) & 1023
+            if index[cx ^ 1] == count:
+                cx ^= 1
+            index[cx] = k
         else:
             k += 1
     state[_COUNT] = count
