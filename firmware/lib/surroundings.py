@@ -50,6 +50,15 @@ _KEEP = const(13)  # mm rolled before an unseen point is given up
 _STATES = const(14)
 
 
+_SQUARES = array("i")  # of ranges a quarter apart, mm**2
+_SHARES = array("H")  # of a frame's beams that pass within 20 mm of a point there, * 2**16
+_range = 64
+while _range < 5000:
+    _SQUARES.append(_range * _range)
+    _SHARES.append((51 << 16) // _range + 1)
+    _range += _range >> 2
+
+
 @micropython.viper
 def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int, turn: int, travel: int, late: int, span: int):
     """Begin a frame: where the body was at its first and last point.
@@ -210,6 +219,8 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
     is what makes memory wrong.
     """
     sine = ptr32(SIN)
+    squares = ptr32(_SQUARES)
+    shares = ptr16(_SHARES)
     s0 = 0
     c0 = 0
     s1 = 0
@@ -290,14 +301,10 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
                         r2 = rx * rx + ry * ry
                         if r2 < reach * reach:
                             # The beams that could have met it: those within 20 mm of it, many where it is near.
-                            r = 64
-                            if r2 > 737 * 737:
-                                r = 921
-                            elif r2 > 243 * 243:
-                                r = 303
-                            while r * r < r2:
-                                r += r >> 2
-                            side = 51 * n // r + 1
+                            m = 0
+                            while squares[m] < r2:
+                                m += 1
+                            side = (n * shares[m] >> 16) + 1
                             j = i - side
                             end = i + side + 1
                             clipped = 0
