@@ -20,30 +20,56 @@ except (configuration.ConfigError, OSError) as error:
     print("gapseeker: cannot start:", error)
     raise
 
+import texts
+from once import forget
+
+names = texts.names()
+del texts
+forget("texts")
+
 from avoid import Avoid
 
 avoid = Avoid(config)  # its tables are large: they come first, while the heap is still in one piece
 
+from room import Room
+
+room = Room()  # while there is still room
+
 from drive import Drive
-from health import Health
-from lidar import Lidar
 from link_start import start_link
-from once import forget
 from pca9685 import PCA9685
-from robot import Robot
 from settings import Settings
 from steering import Steering
 
 
-def build():
-    """Hand the buses and pins to the parts. Everything that moves is off until the first decision."""
+def build_drive():
+    """Everything that moves is off until the first decision."""
     pin = machine.Pin
     enable = pin(config.pins_output_enable, pin.OUT, value=1)
     i2c = machine.I2C(config.i2c_bus, scl=pin(config.i2c_scl), sda=pin(config.i2c_sda), freq=config.i2c_frequency)
     servos = PCA9685(i2c, config.servos_address, config.servos_frequency, config.servos_oscillator)
     left = PCA9685(i2c, config.motors_left, config.motors_frequency, config.motors_oscillator)
     right = PCA9685(i2c, config.motors_right, config.motors_frequency, config.motors_oscillator)
-    drive = Drive(Steering(config.axles_spacings, config.axles_track, config.axles_first), servos, left, right, enable, config)
+    return Drive(Steering(config.axles_spacings, config.axles_track, config.axles_first), servos, left, right, enable, config)
+
+
+try:
+    drive = build_drive()
+except OSError as error:
+    print("gapseeker: cannot start:", error)
+    raise
+link = start_link(config, Settings(config, drive, avoid, room), names, machine)
+del build_drive, start_link  # their room is the others' from now on
+forget("link_start", "version")
+
+from health import Health
+from lidar import Lidar
+from robot import Robot
+
+
+def build():
+    """The robot, with what it sees by and what it shows."""
+    pin = machine.Pin
     # timeout_char=1 spares an interrupt per byte
     uart = machine.UART(config.lidar_uart, config.lidar_baud, rx=config.lidar_rx, rxbuf=config.lidar_rxbuf, timeout=0, timeout_char=1)
     motor = None
@@ -61,16 +87,13 @@ def build():
 
         line = machine.UART(config.screen_uart, config.screen_baud, tx=config.screen_tx, rx=config.screen_rx, txbuf=256, timeout=0)
         screen = Screen(line, config.screen_kind, config.screen_baud)
-    return Robot(config, avoid, lidar, drive, health, start_link(config, Settings(config, drive, avoid), machine), screen)
+        forget("texts")
+    return Robot(config, avoid, lidar, drive, health, link, screen)
 
 
-try:
-    robot = build()
-except OSError as error:
-    print("gapseeker: cannot start:", error)
-    raise
-del build, start_link  # their room is the robot's from now on
-forget("link_start", "texts", "version")
+robot = build()
+del build
+gc.collect()
 gc.threshold(-1)
 
 try:

@@ -50,22 +50,22 @@ class MicroPythonFile(pytest.File):
         self._outcomes = None
         for node in ast.parse(self.path.read_text(encoding="utf-8")).body:
             if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
-                yield MicroPythonItem.from_parent(self, name=node.name + "[micropython]", function=node.name, line=node.lineno)
+                yield MicroPythonItem.from_parent(self, name=node.name + "[micropython]", test=node.name, line=node.lineno)
 
-    def outcome(self, function):
+    def outcome(self, test):
         """(passed, output) of one test."""
         if self._outcomes is None:
-            selected = [item.function for item in self.session.items if item.parent is self]
+            selected = [item.test for item in self.session.items if item.parent is self]
             with tempfile.TemporaryDirectory() as folder:
                 self._outcomes = self._run(selected, folder)
-        return self._outcomes.get(function, (False, self._outcomes[None]))
+        return self._outcomes.get(test, (False, self._outcomes[None]))
 
-    def _run(self, functions, folder):
+    def _run(self, tests, folder):
         micropython = find_tool("micropython")
         if micropython is None:
             return {None: "micropython is not installed: run `make setup`"}
         path = ":".join(map(str, (FIRMWARE_TESTS, ROOT / "firmware" / "lib")))
-        command = [micropython, str(FIRMWARE_TESTS / "runner.py"), self.path.stem, *functions]
+        command = [micropython, str(FIRMWARE_TESTS / "runner.py"), self.path.stem, *tests]
         try:
             process = subprocess.run(
                 command, cwd=folder, env={**os.environ, "MICROPYPATH": path}, capture_output=True, text=True, errors="replace", timeout=TIME_LIMIT_S
@@ -98,13 +98,13 @@ class MicroPythonFailure(Exception):
 
 
 class MicroPythonItem(pytest.Item):
-    def __init__(self, *, function, line, **kwargs):
+    def __init__(self, *, test, line, **kwargs):
         super().__init__(**kwargs)
-        self.function = function
+        self.test = test  # not `function`: pytest takes that for a function
         self.line = line
 
     def runtest(self):
-        passed, output = self.parent.outcome(self.function)
+        passed, output = self.parent.outcome(self.test)
         if not passed:
             raise MicroPythonFailure(output)
         if output:

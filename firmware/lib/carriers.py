@@ -56,7 +56,7 @@ class SerialLine:
         self._ready = getattr(poller, "ipoll", poller.poll)  # poll makes a list at each call
         self._open = True
         self._one = bytearray(1)
-        self.decoder = Decoder(_COMMAND)
+        self.decoder = Decoder(_COMMAND, ahead=0)
         self._begun_us = 0
 
         self._ring = bytearray(_RING)

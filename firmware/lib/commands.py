@@ -39,7 +39,7 @@ class Commands:
         self.refused = 0
         self.counter = 0
         self.reply = None
-        self._heard_us = 0
+        self._heard_us = None
 
     def expire(self, now_us):
         """Stop driving by hand when the hand is gone."""
@@ -128,11 +128,15 @@ class Commands:
         elif what == telemetry.MANUAL:
             if not (-900 <= af <= 900 and -900 <= ar <= 900 and v <= 180):
                 raise ValueError("AF %d, AR %d (0.1 deg, up to 900 either way), V %d (0 to 180)" % (af, ar, v))
+            silence = _SILENCE_US + 1 if self._heard_us is None else ticks_diff(now_us, self._heard_us)
+            self._heard_us = now_us
+            if self.state == telemetry.STOPPED and silence <= _SILENCE_US:
+                # Stopped by somebody else, or by its button, under a hand that has not noticed yet.
+                raise ValueError("stopped: let go for a moment, then drive on")
             self.state = what
             self.af = af
             self.ar = ar
             self.v = v
-            self._heard_us = now_us
         else:
             raise ValueError("drive %d: 0 stop, 1 auto, 2 manual" % what)
 

@@ -35,7 +35,8 @@ class Config:
     array('h') in the order axle 1 left, axle 1 right, ...; everything the loop reads is an int.
 
     axles       number of axles
-    live        (attribute, low, high, unit) of each parameter that may change while the robot runs, in the order of schema.LIVE
+    live        attribute of each parameter that may change while the robot runs, in the order of schema.LIVE
+    limits      array 'h', its low and high one after the other; units: its unit
     changes     counter of such changes, for those who keep something computed from a parameter
     """
 
@@ -44,7 +45,7 @@ class Config:
         from config_checks import fill
 
         self.changes = 0
-        self.live = ()
+        self.live = self.units = ()
         fill(self, {} if values is None else values)
         forget("config_checks", "schema")
 
@@ -67,17 +68,18 @@ class Config:
         index = self._index(key)
         if index < 0:
             raise ConfigError("%s cannot change while the robot runs: edit robot.json and restart" % key)
-        if not self.tune(index, number(key, value, *self.live[index][1:], 1, False)):
-            pairs = ["%s <= %s" % (key_of(one), key_of(other)) for one, other in _ORDER if self.live[index][0] in (one, other)]
+        low, high = self.limits[2 * index], self.limits[2 * index + 1]
+        if not self.tune(index, number(key, value, low, high, self.units[index], 1, False)):
+            pairs = ["%s <= %s" % (key_of(one), key_of(other)) for one, other in _ORDER if self.live[index] in (one, other)]
             refuse(key, value, "%s must hold" % " and ".join(pairs))
 
     def tune(self, index, value):
-        """As set(), by the number of the row in `live`: True if the int `value` was taken. Allocates nothing."""
+        """As set(), by its number in `live`: True if the int `value` was taken. Allocates nothing."""
         if not 0 <= index < len(self.live):
             return False
-        name, low, high, _ = self.live[index]
-        if not low <= value <= high:
+        if not self.limits[2 * index] <= value <= self.limits[2 * index + 1]:
             return False
+        name = self.live[index]
         before = getattr(self, name)
         setattr(self, name, value)
         if self.disorder():
@@ -94,10 +96,8 @@ class Config:
         self.changes += 1
 
     def _index(self, key):
-        for index, row in enumerate(self.live):
-            if key_of(row[0]) == key:
-                return index
-        return -1
+        name = attribute(key)
+        return self.live.index(name) if name in self.live else -1
 
     def disorder(self):
         """The first two parameters that contradict one another, or None."""

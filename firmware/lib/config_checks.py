@@ -29,10 +29,14 @@ def fill(config, values):
         if key == "axles.spacings":
             config.axles = len(value) + 1
     live = []
+    limits = []
     for key, _, default, low, high, unit, _ in schema.LIVE:
         setattr(config, attribute(key), number(key, given.pop(key, default), low, high, unit, 1, False))
-        live.append((_shared(config, attribute(key)), low, high, unit))
+        live.append(_shared(config, attribute(key)))
+        limits += low, high
     config.live = tuple(live)
+    config.limits = array("h", limits)
+    config.units = tuple([row[5] for row in schema.LIVE])
     for key in given:
         _unknown(key, given[key], schema.BOOT + schema.LIVE)
     _check(config)

@@ -12,8 +12,6 @@ points mirrored in y, so a mirrored course gives mirrored answers by constructio
 Coordinates: body frame, mm + 8192 (never negative). Lengths: travel of the fastest wheel, mm.
 """
 
-from array import array
-
 from micropython import const
 
 from once import forget
@@ -41,7 +39,7 @@ class Envelopes:
         prepare(self, config)
         del prepare
         forget("envelope_tables")
-        self._fill(config.avoid_margin, config.avoid_soft_margin, config.windows_look_ahead, array("H"))
+        self._fill(config.avoid_margin, config.avoid_soft_margin, config.windows_look_ahead)
 
     def outdated(self, config):
         """Whether margin, soft margin or look-ahead of the config are others than the tables were made with."""
@@ -50,14 +48,14 @@ class Envelopes:
     def refill(self, config):
         """Make the tables anew, in place, with margin, soft margin and look-ahead of the config. Due when `outdated` says so.
 
-        The robot must stand: nothing else happens meanwhile. All arrays stay the same objects, but for `seconds`, whose length changes. What
-        was derived from the attributes in mm has to be derived again (Avoid: look_ahead, _swing; Field: its shape), and a decision begun
-        with the old tables to be given up. MemoryError, with the old tables whole, if the heap has no room for the code that makes them,
-        some 3 kB. Settings.tune() lets the robot stand, calls Avoid.configure(), and refuses the change if that raises MemoryError.
+        The robot must stand: nothing else happens meanwhile. All arrays stay the same objects. What was derived from the attributes in mm
+        has to be derived again (Avoid: look_ahead, _swing; Field: its shape), and a decision begun with the old tables to be given up.
+        MemoryError, with the old tables whole, if the heap has no room for the code that makes them, some 3 kB. Settings.tune() lets the
+        robot stand, makes room, calls Avoid.configure(), and refuses the change if that raises MemoryError.
         """
         before = self.margin, self.soft, self.look_ahead
         try:
-            self._fill(config.avoid_margin, config.avoid_soft_margin, config.windows_look_ahead, array("H"))
+            self._fill(config.avoid_margin, config.avoid_soft_margin, config.windows_look_ahead)
         except MemoryError:
             if self.margin < 0:
                 self._restore(before)
@@ -65,19 +63,17 @@ class Envelopes:
 
     def _restore(self, before):
         try:
-            # Its list of second entries is there already: this needs less than what has just failed.
-            self._fill(*before, self.seconds)
+            self._fill(*before)
         except MemoryError:
             raise RuntimeError("no room to make the envelope tables whole again: restart") from None
 
-    def _fill(self, margin, soft, look_ahead, seconds):
+    def _fill(self, margin, soft, look_ahead):
         """The code comes in two parts, one after the other: together they would be more than the heap has to spare."""
-        forget()
         try:
             from envelope_arcs import fill
 
             self.margin = -1  # neither the old tables nor the new ones
-            fill(self, margin, soft, look_ahead, seconds)
+            fill(self, margin, soft, look_ahead)
             del fill
             forget("envelope_arcs")
             from envelope_strips import fill
@@ -86,7 +82,6 @@ class Envelopes:
             del fill
         finally:
             forget("envelope_arcs", "envelope_strips")
-        self.seconds = seconds
         self.margin = margin
         self.soft = soft
         self.look_ahead = look_ahead

@@ -28,13 +28,13 @@ _SECOND = const(11)  # of its bins with a second entry: place in `seconds` << 10
 _FRONT = const(12)  # least of all entries, and a little: no ring enters the outline farther on
 
 
-def fill(env, margin, soft, look_ahead, seconds):
-    """lengths; consts, table, ends and turns of each arc; second entries into `seconds`, which grows if it has to. All lengths in mm."""
+def fill(env, margin, soft, look_ahead):
+    """lengths; consts, table, seconds, ends and turns of each arc. All lengths in mm."""
     for i, part in enumerate((1, 2, 4, 8, 14)):
         env.lengths[i] = look_ahead * part // 14
     used = 0
     for k in range(env.arcs):
-        used = _fill_arc(env, k, margin, soft, look_ahead, seconds, used)
+        used = _fill_arc(env, k, margin, soft, look_ahead, used)
         _fill_ends(env, k)
 
 
@@ -74,7 +74,7 @@ def end(env, k, length):
     return xc - xc * c - yc * s, yc + xc * s - yc * c, turn
 
 
-def _fill_arc(env, k, margin, soft, look_ahead, seconds, used):
+def _fill_arc(env, k, margin, soft, look_ahead, used):
     """Returns how many of `seconds` are used afterwards."""
     xc, yc = centre(env, k)
     r_in, r_out = _ring(env, xc, yc, margin)
@@ -104,6 +104,7 @@ def _fill_arc(env, k, margin, soft, look_ahead, seconds, used):
     width = 1048576 / scale * (1 << shift)  # of a bin, square mm
     table = env.table
     front = 65535
+    seconds = env.seconds
     first_used = used
     second_bin = 0
     after = used  # the last bin with two entries ends here

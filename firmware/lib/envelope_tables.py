@@ -8,6 +8,7 @@ from micropython import const
 _BINS = const(24)
 _LENGTHS = const(5)
 _STRIDE = const(13)
+_SECONDS = const(13)  # bytes for each arc: enough for the usual body with any margin; for others it grows
 _STRIP_STRIDE = const(8)
 
 
@@ -31,6 +32,7 @@ def prepare(env, config):
     env.lengths = array("H", [0] * _LENGTHS)
     env.consts = array("i", bytes(4 * env.arcs * _STRIDE))
     env.table = bytearray(2 * env.arcs * _BINS * 2)  # 16-bit words for the viper functions
+    env.seconds = array("H", bytes(_SECONDS * env.arcs))
     env.strips = array("i", bytes(4 * _STRIP_STRIDE * len(strips)))
     env.ends = array("H", bytes(2 * env.count * _LENGTHS * 2))
     env.turns = array("h", bytes(2 * env.count * _LENGTHS))

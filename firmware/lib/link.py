@@ -1,6 +1,6 @@
 """The robot's link to people: says what it does, hears what they want, over USB and, if there are credentials, over WiFi.
 
-    link = link_start.start_link(config, settings, machine)       or Link(...), with the carriers handed in
+    link = link_start.start_link(config, settings, names, machine)       or Link(...), with the carriers handed in
     link.update(now_us, robot)        once a loop; never waits, at most one message a call and carrier
     link.frame(lidar)                 after each frame of the lidar
     link.state, link.af, link.ar, link.v    what is asked for: telemetry.STOPPED, AUTO, MANUAL; AF, AR (0.1 deg) and V count in MANUAL
@@ -16,6 +16,7 @@ from time import ticks_diff
 
 import telemetry
 from commands import Commands
+from health import STOP_BUTTON
 from micropython import const
 from report import Report, ScanGatherer, parameters
 from telemetry import Encoder
@@ -28,6 +29,7 @@ _HEALTH_US = const(500_000)
 _CANDIDATES_US = const(250_000)
 _HELLO_US = const(1_000_000)
 _NAMES_HELLOS = const(8)
+_LONG_US = const(1_000_000)  # a press of the stop button that lets a standing robot drive
 _WAITING = const(6)  # replies and lines of the log kept until there is room
 
 
@@ -44,7 +46,7 @@ class Link:
         self.radio = any(carrier.signed for carrier in carriers)
         self._encoder = Encoder(datagrams=self.radio)
         self._report = Report(self._encoder, identity, names)
-        self._scan = None
+        self._scan = ScanGatherer(config.lidar_frames, settings.room)
         self._settings = settings
         self._config = config
         self.dropped = 0
@@ -57,6 +59,8 @@ class Link:
         self._names_due = True
         self._replies = []
         self._drive_fault = ""
+        self._pressed_us = None  # since when the stop button is held
+        self._stood = False  # before it was
         self._battery_low = False
         self._logs = []
 
@@ -99,9 +103,6 @@ class Link:
     def frame(self, lidar):
         """Take note of a lidar frame, for those who want raw scans."""
         if self._commands.watch & 1:
-            if self._scan is None:
-                # 1.4 kB that most robots never need
-                self._scan = ScanGatherer(self._config.lidar_frames)
             self._scan.add(lidar)
 
     def update(self, now_us, robot):
@@ -119,6 +120,8 @@ class Link:
                 elif carrier.decoder.kind == telemetry.GREET and carrier.signed:
                     self._answer(carrier, now_us)
         commands.expire(now_us)
+        if robot.health is not None:
+            self._button(now_us, robot.health.fault == STOP_BUTTON)
         self._remark(robot)
         if self._due(now_us, self._hello_us, _HELLO_US) or commands.greeted:
             self._hello(now_us)
@@ -157,6 +160,20 @@ class Link:
             self._battery_low = low
             if low:
                 self.log(1, "battery is low: charge it soon")
+
+    def _button(self, now_us, pressed):
+        """The stop button is a command to stop, and like one it counts until there is another. Pressed long, it lets a standing robot drive."""
+        commands = self._commands
+        if pressed:
+            if self._pressed_us is None:
+                self._pressed_us = now_us
+                self._stood = commands.state == telemetry.STOPPED
+                self.log(1, "stopped by its button; auto, driving by hand, or another press of a second lets it go on")
+            commands.stop()
+        elif self._pressed_us is not None:
+            if self._stood and ticks_diff(now_us, self._pressed_us) >= _LONG_US:
+                self.drive_itself()
+            self._pressed_us = None
 
     def _has_room(self):
         """Whether every carrier takes any message now."""
@@ -209,7 +226,7 @@ class Link:
             self._points_us = now_us
             self._points_of = self._decisions
             return report.points(avoid, now_us)
-        if self._scan is not None and self._scan.ready:
+        if self._scan.ready:
             return self._scan.take(self._encoder)
         if commands.watch & 2 and self._due(now_us, self._candidates_us, _CANDIDATES_US):
             self._candidates_us = now_us

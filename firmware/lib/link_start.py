@@ -5,16 +5,15 @@ import os
 from carriers import SerialLine
 from link import Link
 from micropython import const
-from texts import FAULTS, REASONS
 from version import VERSION
 
 _SESSION = const(8)  # auth.SESSION; that module is loaded only where there is a key
 
 
-def start_link(config, settings, machine):
+def start_link(config, settings, names, machine):
     """Link over USB and, if robot.json names a network, over WiFi. Without it the radio is never touched.
 
-    machine: the module. Commands over WiFi need the file network.key; without it they are all refused.
+    names: see Report; machine: the module. Commands over WiFi need the file network.key; without it they are all refused.
     """
     carriers = [SerialLine()]
     key = None
@@ -49,7 +48,7 @@ def start_link(config, settings, machine):
         "full_speed": config.motors_full_speed,
         "lidar": [config.lidar_x, config.lidar_y],
     }
-    link = Link(config, settings, identity, {"reasons": REASONS, "faults": FAULTS}, carriers, os.urandom(_SESSION), key)
+    link = Link(config, settings, identity, names, carriers, os.urandom(_SESSION), key)
     for remark in remarks:
         link.log(1, remark)
     return link

@@ -34,7 +34,7 @@ class Datagrams:
         self._peer_us = 0
         self._asked_us = None
         self.busy = False
-        self.decoder = Decoder(_COMMAND)
+        self.decoder = Decoder(_COMMAND, ahead=64)
 
     def update(self, now_us):
         """Open the socket once the network is there."""

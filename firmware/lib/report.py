@@ -17,10 +17,10 @@ class Report:
     """Composes messages in `encoder`; each method returns the size of the frame."""
 
     def __init__(self, encoder, identity, names):
-        """identity: dict of the HELLO's JSON; names: dict of the NAMES' JSON."""
+        """identity: dict of the HELLO's JSON; names: the NAMES' JSON, bytes."""
         self._encoder = encoder
         self._identity = json.dumps(identity).encode()
-        self._names = json.dumps(names).encode()
+        self._names = names
         if len(self._identity) + calcsize(telemetry.HELLO_FORMAT) > encoder.room or len(self._names) > encoder.room:
             raise ValueError("HELLO or NAMES does not fit a frame of %d bytes: shorten the robot's name or the texts of reasons.py" % encoder.room)
 
@@ -109,8 +109,9 @@ class Report:
         """PARAMETER for row `number` of config.live, or for a servo's trim behind these. Allocates."""
         live = len(config.live)
         if number < live:
-            name, low, high, _ = config.live[number]
+            name = config.live[number]
             key = key_of(name)
+            low, high = config.limits[2 * number], config.limits[2 * number + 1]
             value = getattr(config, name)
         else:
             wheel = number - live
@@ -126,11 +127,12 @@ class Report:
 
 
 class ScanGatherer:
-    """Gathers lidar frames into one SCAN message: a whole turn, or as much of it as fits a frame."""
+    """Gathers lidar frames into one SCAN message: a whole turn, or as much of it as fits a frame. In the buffer of a Room."""
 
-    def __init__(self, frames_a_turn):
+    def __init__(self, frames_a_turn, room):
         self._turn = frames_a_turn
-        self._data = bytearray(telemetry.MAX_PAYLOAD)
+        self._room = room
+        self._loans = 0  # of the room, when the gathering began
         self._used = 0
         self._frames = 0
         self.ready = False
@@ -139,12 +141,13 @@ class ScanGatherer:
         """Take in the frame the lidar has just delivered; what was ready and not taken gives way."""
         count = lidar.n
         size = calcsize(telemetry.SCAN_FORMAT) + 2 * count
-        if self.ready:
+        data = self._room.buffer
+        if self.ready or self._loans != self._room.loans:
+            self._loans = self._room.loans
             self._used = self._frames = 0
             self.ready = False
-        if not count or self._used + size > telemetry.MAX_PAYLOAD:
+        if not count or data is None or self._used + size > telemetry.MAX_PAYLOAD:
             return
-        data = self._data
         at = self._used
         struct.pack_into(
             telemetry.SCAN_FORMAT, data, at, lidar.frame_us & TIME_MASK, lidar.bearings[0], lidar.bearings[count - 1], count
@@ -156,9 +159,11 @@ class ScanGatherer:
         self.ready = self._frames == self._turn or self._used + size > telemetry.MAX_PAYLOAD
 
     def take(self, encoder):
-        """Put what is ready into a SCAN frame; returns its size."""
-        size = self._used
-        copy(self._data, 0, size, encoder.data, HEADER)
-        self._used = self._frames = 0
+        """Put what is ready into a SCAN frame; returns its size, 0 if it has been lost meanwhile."""
         self.ready = False
+        if self._loans != self._room.loans:
+            return 0
+        size = self._used
+        copy(self._room.buffer, 0, size, encoder.data, HEADER)
+        self._used = self._frames = 0
         return encoder.seal(telemetry.SCAN, size)

@@ -2,20 +2,19 @@
 
 import json
 
-from once import forget
-
 
 class Settings:
     """Applies changes to a Config at once, and writes them to robot.json when asked.
 
     config: has `get(key)` and `set(key, value)`, which raise ValueError with a text, and `servos_trims`; drive: has `stop()` and `point(wheel, angle)`;
-    avoid: has `configure()` and `envelopes`. path: the robot.json that the config was read from.
+    avoid: has `configure()` and `envelopes`; room: Room. path: the robot.json that the config was read from.
     """
 
-    def __init__(self, config, drive, avoid, path="robot.json"):
+    def __init__(self, config, drive, avoid, room, path="robot.json"):
         self._config = config
         self._drive = drive
         self._avoid = avoid
+        self.room = room
         self._path = path
         self._changed = {}
 
@@ -29,12 +28,13 @@ class Settings:
         config.set(key, value)
         if self._avoid.envelopes.outdated(config):
             self._drive.stop()
-            try:
-                self._avoid.configure()
-            except MemoryError:
-                config.set(key, before)
-                self._avoid.configure()
-                raise ValueError("%s: no memory to make the planner's tables anew; try again, or edit robot.json and restart" % key) from None
+            with self.room.lend():
+                try:
+                    self._avoid.configure()
+                except MemoryError:
+                    config.set(key, before)
+                    self._avoid.configure()
+                    raise ValueError("%s: no memory to make the planner's tables anew; edit robot.json and restart" % key) from None
         self._changed[key] = value
 
     def point(self, wheel, angle):
@@ -54,12 +54,11 @@ class Settings:
                 # A single trim may stand for all wheels; written out, each can have its own.
                 key, value = "servos.trims", [trim / 10 if trim % 10 else trim // 10 for trim in self._config.servos_trims]
             changed[key] = json.dumps(value)
-        forget()
         try:
-            from keep import keep
+            with self.room.lend("keep"):
+                from keep import keep
 
-            keep(self._path, changed)
+                keep(self._path, changed)
+                del keep
         except OSError as error:
             raise ValueError("%s cannot be written: %s" % (self._path, error)) from None
-        finally:
-            forget("keep")

@@ -27,7 +27,7 @@ _CROWDED = const(270)
 _HASH = const(512)
 _PROBES = const(8)  # places in the index where a cell may be named, one after the other
 _NONE = const(0xFFFF)
-_SHARE = const(7)  # one slot in 8 is looked at on a frame for what changes slowly: distance, travel, room
+_SHARE = const(8)  # one slot in so many is looked at on a frame for what changes slowly: distance, travel, room
 _HALF = const(0x8000)
 
 # Odometry's step and the times are taken in 16 us, so that their products with displacements stay small.
@@ -52,6 +52,15 @@ _REACH = const(12)  # longest range taken, quarter mm
 _KEEP = const(13)  # mm rolled before an unseen point is given up
 _COARSE = const(14)  # farther than this, 1/8 mm, a cell is four
 _STATES = const(15)
+
+
+_SQUARES = array("i")  # of ranges a quarter apart, mm**2
+_SHARES = array("H")  # of a frame's beams that pass within 20 mm of a point there, * 2**16
+_range = 64
+while _range < 5000:
+    _SQUARES.append(_range * _range)
+    _SHARES.append((51 << 16) // _range + 1)
+    _range += _range >> 2
 
 
 @micropython.viper
@@ -223,6 +232,8 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
     is what makes memory wrong.
     """
     sine = ptr32(SIN)
+    squares = ptr32(_SQUARES)
+    shares = ptr16(_SHARES)
     s0 = 0
     c0 = 0
     s1 = 0
@@ -269,6 +280,7 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
     # Coordinates relative to the body are taken with 2**15 added: it is cheaper to take their share off the products.
     x = state[_X1] - _HALF
     y = state[_Y1] - _HALF
+    due = stamp & (_SHARE - 1)
     first = (c0 - s0) << 15
     last = (s1 - c1) << 15
     k = 0
@@ -300,14 +312,10 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
                         r2 = rx * rx + ry * ry
                         if r2 < reach * reach:
                             # The beams that could have met it: those within 20 mm of it, many where it is near.
-                            r = 64
-                            if r2 > 737 * 737:
-                                r = 921
-                            elif r2 > 243 * 243:
-                                r = 303
-                            while r * r < r2:
-                                r += r >> 2
-                            side = 51 * n // r + 1
+                            m = 0
+                            while squares[m] < r2:
+                                m += 1
+                            side = (n * shares[m] >> 16) + 1
                             j = i - side
                             end = i + side + 1
                             clipped = 0
@@ -318,45 +326,41 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
                                 end = n
                                 clipped = 1
                             if clipped == 0 or age > 200:
-                                # Where one beam is not past it, only one surface all along disproves it.
-                                spread = 0x10000
-                                if (d >> 2) <= margin or r2 >= ((d >> 2) - margin) * ((d >> 2) - margin):
-                                    spread = 160
-                                # Walls slope: if not in the middle, the nearest beam is at an end, and the rest is soon done.
+                                # Walls slope: the nearest beam and the farthest are mostly the first and the last.
                                 lo = distances[j]
                                 hi = distances[end - 1]
-                                if lo > hi:
+                                if hi < lo:
                                     lo = hi
                                     hi = distances[j]
-                                reach = (lo >> 2) + beyond
-                                if lo == 0 or reach <= 0 or r2 >= reach * reach or hi - lo >= spread:
-                                    lo = 0
-                                    end = 0
-                                j += 1
-                                while j < end:
-                                    d = distances[j]
-                                    if d < lo:
-                                        lo = d
-                                        reach = (d >> 2) + beyond
-                                        if d == 0 or reach <= 0 or r2 >= reach * reach or hi - d >= spread:
-                                            lo = 0
-                                            end = 0
-                                    elif d > hi:
-                                        hi = d
-                                        if d - lo >= spread:
-                                            lo = 0
-                                            end = 0
-                                    j += 1
-                                if lo:
-                                    past = (lo >> 2) - margin
-                                    if past > 0 and r2 < past * past:
+                                past = (lo >> 2) - margin
+                                if past > 0 and r2 < past * past:
+                                    gone = 1
+                                    m = j + 1
+                                    while m < end:
+                                        # two a turn, the last one perhaps again
+                                        if distances[m - 1] < lo or distances[m] < lo:
+                                            lo = distances[m]
+                                            if distances[m - 1] < lo:
+                                                lo = distances[m - 1]
+                                            past = (lo >> 2) - margin
+                                            if past <= 0 or r2 >= past * past:
+                                                gone = 0
+                                                m = end
+                                        m += 2
+                                if gone == 0 and age > 24:
+                                    # one surface, and it is not where the point is
+                                    while j < end and hi - lo < 160:
+                                        d = distances[j]
+                                        if d < lo:
+                                            lo = d
+                                        elif d > hi:
+                                            hi = d
+                                        j += 1
+                                    near = (hi >> 2) + margin
+                                    if lo and hi - lo < 160 and r2 < near * near:
                                         gone = 1
-                                    elif age > 24 and hi < lo + 160:
-                                        # one surface, and it is not where the point is
-                                        near = (hi >> 2) + margin
-                                        if r2 < near * near:
-                                            gone = 1
-        if (k ^ stamp) & _SHARE == 0:
+        if k == due:
+            due += _SHARE
             px -= _HALF
             py -= _HALF
             if px < 0:

@@ -182,13 +182,14 @@ class Decoder:
     """Finds the frames in a stream of bytes, whatever lies between them.
 
     After `take` returned True: `kind`, `sequence`, and the payload is data[start:end] until the next `feed`.
+    ahead: bytes taken in beyond the longest frame, for whoever feeds many at a time.
     stray: called with each byte (an int) that belongs to no frame, or None.
     errors: counts frames whose check failed.
     """
 
-    def __init__(self, max_payload=MAX_PAYLOAD, stray=None):
+    def __init__(self, max_payload=MAX_PAYLOAD, stray=None, ahead=MAX_FRAME):
         self._largest = max_payload
-        self.data = bytearray(2 * (max_payload + HEADER + _CHECK))
+        self.data = bytearray(max_payload + HEADER + _CHECK + ahead)
         self.kind = self.sequence = self.start = self.end = 0
         self.errors = 0
         self._stray = stray

@@ -1,4 +1,6 @@
-"""What reasons.py and health.py number, in words. Needed once, at the start: the link keeps them as the message NAMES, a screen as bytes."""
+"""What reasons.py and health.py number, in words. Needed once, at the start: the link keeps them as JSON, a screen as bytes."""
+
+import json
 
 # By the numbers of reasons.py
 REASONS = (
@@ -14,7 +16,7 @@ REASONS = (
     "obstacle in the emergency window, getting away",
     "touching, moving away from the point of contact",
     "closed in, standing still",
-    "stopped by command",
+    "stopped by command or button",
     "fault, standing still",
     "driven by hand",
     "turning on the spot",
@@ -31,3 +33,8 @@ FAULTS = (
     "battery is empty: charge it",
     "well again, waiting a moment before driving on",
 )
+
+
+def names():
+    """All of them as the JSON of the message NAMES, bytes."""
+    return json.dumps({"reasons": REASONS, "faults": FAULTS}).encode()

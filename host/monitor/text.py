@@ -101,7 +101,7 @@ def reason(latest: dict) -> str:
     if decision is None:
         return ""
     if decision["state"] != "auto":
-        return {"manual": "driven by hand", "stopped": "stopped by command"}[decision["state"]]
+        return {"manual": "driven by hand", "stopped": "stopped by command or button"}[decision["state"]]
     reasons = names.get("reasons", [])
     text = reasons[decision["why"]] if decision["why"] < len(reasons) else f"reason {decision['why']}"
     window = WINDOWS[decision["window"]] if decision["window"] < len(WINDOWS) else ""

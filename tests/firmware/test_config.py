@@ -152,7 +152,7 @@ def test_tuning_by_number_allocates_nothing():
     import micropython
 
     config = Config()
-    row = [r[0] for r in config.live].index("avoid_margin")
+    row = config.live.index("avoid_margin")
     micropython.heap_lock()
     try:
         taken = config.tune(row, 25)

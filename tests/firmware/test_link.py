@@ -7,7 +7,9 @@ from array import array
 import micropython
 import telemetry
 from auth import tag
+from health import STOP_BUTTON
 from link import Link
+from room import Room
 from telemetry import Decoder, copy, decode, frame
 
 SESSION = b"sessions"
@@ -18,7 +20,8 @@ class Config:
     lidar_frames = 16
     axles = 1
     servos_trims = array("h", [0, -15])
-    live = (("avoid_margin", 0, 100, "mm"), ("b", 0, 2, ""))
+    live = ("avoid_margin", "b")
+    limits = array("h", [0, 100, 0, 2])
     avoid_margin = 15
     b = 1
 
@@ -77,6 +80,7 @@ class Robot:
 class Settings:
     def __init__(self):
         self.tuned = []
+        self.room = Room()
 
     def tune(self, key, value):
         if key != "avoid.margin":
@@ -146,7 +150,7 @@ class Line:
 def make(signed=False, key=KEY):
     line = Line(signed)
     settings = Settings()
-    link = Link(Config(), settings, {"firmware": "1"}, {"reasons": ["a"]}, [line], SESSION, key)
+    link = Link(Config(), settings, {"firmware": "1"}, b'{"reasons": ["a"]}', [line], SESSION, key)
     robot = Robot()
     robot.tuned = settings.tuned
     return link, line, robot
@@ -228,6 +232,56 @@ def test_stop_stays_stop():
     line.receive(drive(1, telemetry.STOPPED))
     run(link, line, robot)
     assert link.state == telemetry.STOPPED
+
+
+def test_a_hand_that_was_stopped_has_to_let_go_first():
+    link, line, robot = make()
+    line.receive(drive(1, telemetry.MANUAL, 0, 0, 120))
+    link.update(0, robot)
+    link.stop()
+    for k in range(1, 20):
+        line.receive(drive(1 + k, telemetry.MANUAL, 0, 0, 120))
+        link.update(k * 80_000, robot)
+        assert link.state == telemetry.STOPPED
+    line.receive(drive(30, telemetry.MANUAL, 0, 0, 120))
+    link.update(20 * 80_000 + 200_000, robot)
+    assert link.manual
+
+
+def test_the_stop_button_counts_until_told_to_go_on():
+    link, line, robot = make()
+    _press(link, robot, 100_000, 300_000)
+    assert link.state == telemetry.STOPPED
+    assert b"stopped by its button" in run(link, line, robot, 300_000, 1_000_000)[telemetry.LOG][0]
+    line.receive(drive(1, telemetry.AUTO))
+    link.update(1_000_000, robot)
+    assert link.state == telemetry.AUTO
+
+
+def test_no_command_counts_while_the_stop_button_is_pressed():
+    link, line, robot = make()
+    line.receive(drive(1, telemetry.AUTO) + drive(2, telemetry.MANUAL, 0, 0, 120))
+    _press(link, robot, 100_000, 200_000)
+    assert link.state == telemetry.STOPPED
+
+
+def test_a_long_press_lets_a_standing_robot_drive():
+    link, _, robot = make()
+    _press(link, robot, 100_000, 5_000_000)  # this one stops it, however long
+    assert link.state == telemetry.STOPPED
+    _press(link, robot, 6_000_000, 6_500_000)  # pressed again in a hurry
+    assert link.state == telemetry.STOPPED
+    _press(link, robot, 7_000_000, 8_100_000)
+    assert link.state == telemetry.AUTO
+
+
+def _press(link, robot, start, end):
+    for now in range(start, end, 50_000):
+        robot.health.fault = STOP_BUTTON
+        link.update(now, robot)
+        assert link.state == telemetry.STOPPED
+    robot.health.fault = 0
+    link.update(end, robot)
 
 
 def reply_to(link, line, robot, data):

@@ -3,6 +3,7 @@
 import json
 import os
 
+from room import Room
 from settings import Settings
 
 PATH = "test_settings_robot.json"
@@ -60,7 +61,7 @@ def keep(before, changes, trims=(0, 0, 0, 0)):
     with open(PATH, "w") as file:
         file.write(before)
     try:
-        settings = Settings(Config(trims), Drive(), Avoid(), PATH)
+        settings = Settings(Config(trims), Drive(), Avoid(), Room(), PATH)
         for key, value in changes:
             settings.tune(key, value)
         settings.keep()
@@ -124,7 +125,7 @@ def test_a_file_that_is_no_longer_json_stays():
     for broken in ('{"avoid": {"margin": 15}', '{"avoid": {"margin" 15}}', "", '{"avoid": {"margin": "15}}'):
         with open(PATH, "w") as file:
             file.write(broken)
-        settings = Settings(Config(), Drive(), Avoid(), PATH)
+        settings = Settings(Config(), Drive(), Avoid(), Room(), PATH)
         settings.tune("avoid.margin", 20)
         assert "not JSON" in refused(settings.keep)
         with open(PATH) as file:
@@ -133,18 +134,18 @@ def test_a_file_that_is_no_longer_json_stays():
 
 
 def test_a_refused_value_is_not_kept():
-    settings = Settings(Config(), Drive(), Avoid(), PATH)
+    settings = Settings(Config(), Drive(), Avoid(), Room(), PATH)
     assert "0 .. 100" in refused(settings.tune, "avoid.margin", 999)
     assert settings._changed == {}
 
 
 def test_a_missing_file_is_said():
-    assert "cannot be written" in refused(Settings(Config(), Drive(), Avoid(), "missing/robot.json").keep)
+    assert "cannot be written" in refused(Settings(Config(), Drive(), Avoid(), Room(), "missing/robot.json").keep)
 
 
 def test_pointing_needs_a_robot_that_stands():
     drive = Drive()
-    settings = Settings(Config(), drive, Avoid(), PATH)
+    settings = Settings(Config(), drive, Avoid(), Room(), PATH)
     settings.point(0, 100)
     drive.stands = False
     assert "must stand" in refused(settings.point, 0, 100)
@@ -153,7 +154,7 @@ def test_pointing_needs_a_robot_that_stands():
 def test_the_robot_stands_while_tables_are_made_anew():
     config, drive = Config(), Drive()
     avoid = Avoid(config)
-    settings = Settings(config, drive, avoid, PATH)
+    settings = Settings(config, drive, avoid, Room(), PATH)
     settings.tune("drive.cruise", 100)
     assert drive.stops == 0
     settings.tune("avoid.margin", 20)
@@ -164,6 +165,6 @@ def test_without_memory_for_the_tables_nothing_changes():
     config = Config()
     avoid = Avoid(config)
     avoid.memory = False
-    settings = Settings(config, Drive(), avoid, PATH)
+    settings = Settings(config, Drive(), avoid, Room(), PATH)
     assert "avoid.margin: no memory" in refused(settings.tune, "avoid.margin", 20)
     assert config.get("avoid.margin") == 15 and settings._changed == {}

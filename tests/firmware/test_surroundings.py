@@ -90,3 +90,34 @@ def test_the_tip_of_a_corner_does_not_drown_in_the_mean():
         memory.look(_post(503 if k % 2 else 515))
     nearest = min([y for x, y in memory.seen() if abs(x) < 15])
     assert nearest < 508, memory.seen()
+
+
+def test_a_cell_has_one_slot():
+    memory = _Memory()
+    memory.look(lambda bearing: 700 + (bearing * 7 % 50) * 4, 6)
+    cells = {}
+    for x, y in memory.seen():
+        cell = (x % 8192 // 20, y % 8192 // 20)
+        cells[cell] = cells.get(cell, 0) + 1
+    again = sum(cells.values()) - len(cells)
+    assert 20 * again < len(cells), (again, len(cells))
+
+
+def test_a_mirrored_lidar_sees_past_things_too():
+    memory = _Memory()
+
+    def look(of, turns):
+        for _ in range(turns):
+            for frame in range(FRAMES):
+                memory.sight.look(frame, of)
+                sight = memory.sight
+                for values in (sight.bearings, sight.distances):
+                    for i in range(sight.n // 2):
+                        values[i], values[sight.n - 1 - i] = values[sight.n - 1 - i], values[i]
+                memory.points.frame(sight, memory.odometry)
+
+    look(_post(500), 2)
+    assert memory.seen()
+    look(lambda bearing: 900 if bearing < 200 or bearing > 3400 else 0, 16)  # those at the edge of a frame need a dozen turns
+    for x, y in memory.seen():
+        assert x * x + y * y > 800 * 800

@@ -7,7 +7,7 @@ _SIZES = {"b": 1, "B": 1, "h": 2, "H": 2, "i": 4, "I": 4, "l": 8}
 
 
 def _arrays(thing, seen, depth=0):
-    """Bytes of all arrays and buffers that the thing leads to, the emulated board's not counted."""
+    """Bytes of all arrays and buffers that the thing leads to, the emulated board's and the reserve not counted."""
     kind = type(thing)
     if thing is None or kind in (int, str, bytes, bool, float, type) or depth > 8 or id(thing) in seen:
         return 0
@@ -22,7 +22,7 @@ def _arrays(thing, seen, depth=0):
         inside = thing.values()
     else:
         attributes = getattr(thing, "__dict__", {})
-        inside = [attributes[name] for name in attributes if name not in ("sys", "machine", "lockstep", "time", "_uart")]
+        inside = [attributes[name] for name in attributes if name not in ("sys", "machine", "lockstep", "time", "_uart", "room", "_room")]
     return sum([_arrays(one, seen, depth + 1) for one in inside])
 
 

@@ -11,6 +11,7 @@ import socket
 
 from link import Link
 from radio import Datagrams
+from room import Room
 
 
 class Wlan:
@@ -55,7 +56,13 @@ class Robot:
 
 carrier = Datagrams(Wlan(), socket, int(sys.argv[2]))
 identity = {"robot": "gapseeker-0000", "board": "00ff", "firmware": "0"}
-link = Link(Config, None, identity, {"reasons": [], "faults": []}, [carrier], b"12345678", bytes(range(32)))
+
+
+class Settings:
+    room = Room()
+
+
+link = Link(Config, Settings, identity, b"{}", [carrier], b"12345678", bytes(range(32)))
 last = None
 while True:
     now = time.ticks_us()

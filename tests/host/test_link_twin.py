@@ -93,6 +93,20 @@ def test_stop_and_auto():
     assert [reply["status"] for reply in watch.told("reply")] == ["ok", "ok"]
 
 
+def test_the_button_on_the_robot_stops_it_until_told_to_go_on():
+    watch = Hand([(2.6, *drive("auto"))])
+    step = watch.step
+
+    def press(simulation):
+        step(simulation)
+        simulation.electronics.stop_pressed = 1.0 < watch.now < 1.2
+
+    watch.step = press
+    run("Z", 620, watch=watch, limit_s=3.6, record=False)
+    assert watch.fastest(0.9, 1.0) > 100 and watch.fastest(1.5, 2.6) < 2 and watch.fastest(3.0, 3.6) > 100
+    assert "stopped by its button" in watch.told("log")[0]["text"]
+
+
 def test_everything_is_told_and_little_is_lost():
     plan = [(0.5, telemetry.LIST, messages.plain(1)), (0.6, telemetry.TUNE, messages.tune(2, "avoid.margin", 999))]
     watch = Hand([*plan, (0.7, telemetry.TUNE, messages.tune(3, "avoid.margin", 18)), (1.0, telemetry.WATCH, messages.watch(4, True, True))])

@@ -7,7 +7,7 @@ from pathlib import Path
 from host.twin import image, process, run
 
 PROBE = Path(__file__).with_name("memory_probe.py")
-LIVE, ARRAYS, BLOCK = 199_000, 70_000, 1500  # bytes
+LIVE, ARRAYS, BLOCK = 200_300, 70_000, 1000  # bytes; LIVE with the reserve (room.py), the others without
 BEFORE_THE_LOOP = "\ntry:\n    while True:"
 ASK = """
 import micropython
@@ -59,7 +59,7 @@ def test_room_is_left_in_one_piece(tmp_path, monkeypatch):
     said = _asked(tmp_path, monkeypatch, process.HEAP)
     block = _number(r"max free sz: (\d+)", said) * 32
     print(f"largest free block {block} bytes of a heap of {process.HEAP}")
-    assert block >= BLOCK  # a parameter's message, a change that is kept
+    assert block >= BLOCK  # a parameter's message
 
 
 def test_it_drives_in_that_heap():

@@ -162,7 +162,7 @@ function words() {
     name = "fault";
     reason = state.names?.faults?.[state.health.fault] || `fault ${state.health.fault}`;
   } else if (decision) {
-    reason = decision.state === "auto" ? state.names?.reasons?.[decision.why] || "" : decision.state === "manual" ? "driven by hand" : "stopped by command";
+    reason = decision.state === "auto" ? state.names?.reasons?.[decision.why] || "" : decision.state === "manual" ? "driven by hand" : "stopped by command or button";
   }
   pill.textContent = name;
   pill.className = `pill ${name}`;
