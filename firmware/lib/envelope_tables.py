@@ -8,7 +8,7 @@ from micropython import const
 _BINS = const(24)
 _LENGTHS = const(5)
 _STRIDE = const(13)
-_SECONDS = const(13)  # bytes for each arc: enough for the usual body with any margin; for others it grows
+_SECONDS = const(15)  # bytes for each arc: enough for the usual body with any margin; for others it grows
 _STRIP_STRIDE = const(8)
 
 
