@@ -266,21 +266,46 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
     per = state[_PER_CELL]
     margin = (size >> 3) + 20
     patience = (_CAPACITY - count) * 4
+    # The coordinate along which the sector lies comes first: its sign settles half of the points.
+    along = fy
+    across = fx
+    pa = state[_Y1] - _HALF
+    qa = state[_X1] - _HALF
+    flip = 0
+    if c0 + c1 < 0:
+        flip = 0xFFFF
+    s0 = 0 - s0
+    c1 = 0 - c1
+    if (s1 - s0) * (s1 - s0) > (c0 - c1) * (c0 - c1):
+        along = fx
+        across = fy
+        k = pa
+        pa = qa
+        qa = k
+        flip = 0
+        if s1 - s0 < 0:
+            flip = 0xFFFF
+        k = s0
+        s0 = c0
+        c0 = k
+        k = s1
+        s1 = c1
+        c1 = k
     # Coordinates relative to the body are taken with 2**15 added: it is cheaper to take their share off the products.
-    x = state[_X1] - _HALF
-    y = state[_Y1] - _HALF
+    first = (s0 + c0) << 15
+    last = (s1 + c1) << 15
     due = stamp & (_SHARE - 1)
-    first = (c0 - s0) << 15
-    last = (s1 - c1) << 15
     k = 0
     while k < count:
-        px = (fx[k] - x) & 0xFFFF
-        py = (fy[k] - y) & 0xFFFF
+        p = (along[k] - pa) & 0xFFFF
         gone = 0
-        # clockwise from the first beam and anticlockwise from the last: inside the sector
-        u = px * c0 - py * s0 - first
-        if u >= 0:
-            v = py * s1 - px * c1 - last
+        if p ^ flip >= _HALF:
+            # clockwise from the first beam and anticlockwise from the last: inside the sector
+            q = (across[k] - qa) & 0xFFFF
+            u = p * s0 + q * c0 - first
+            v = -1
+            if u >= 0:
+                v = p * s1 + q * c1 - last
             if v >= 0:
                 age = (stamp - frame[k]) & 0xFFFF
                 u >>= 6
@@ -296,12 +321,16 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
                     d = distances[i]
                     reach = (d >> 2) + beyond
                     if d and reach > 0:
-                        rx = (px >> 3) - 4096
-                        ry = (py >> 3) - 4096
+                        rx = (p >> 3) - 4096
+                        ry = (q >> 3) - 4096
                         r2 = rx * rx + ry * ry
                         if r2 < reach * reach:
                             # The beams that could have met it: those within 20 mm of it, many where it is near.
                             m = 0
+                            if r2 > squares[9]:
+                                m = 10
+                            elif r2 > squares[5]:
+                                m = 6
                             while squares[m] < r2:
                                 m += 1
                             side = (n * shares[m] >> 16) + 1
@@ -350,17 +379,17 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
                                         gone = 1
         if k == due:
             due += _SHARE
-            px -= _HALF
-            py -= _HALF
-            if px < 0:
-                px = 0 - px
-            if py < 0:
-                py = 0 - py
-            if py > px:
-                px = py
-            if px > far8 or (state[_TRAVEL] - travel[k]) & 0xFFFF > state[_KEEP]:
+            p -= _HALF
+            if p < 0:
+                p = 0 - p
+            q = ((across[k] - qa) & 0xFFFF) - _HALF
+            if q < 0:
+                q = 0 - q
+            if p < q:
+                p = q
+            if p > far8 or (state[_TRAVEL] - travel[k]) & 0xFFFF > state[_KEEP]:
                 gone = 1
-            elif count > _CROWDED and px > far8 * 3 >> 3 and (stamp - frame[k]) & 0xFFFF > patience:
+            elif count > _CROWDED and p > far8 * 3 >> 3 and (stamp - frame[k]) & 0xFFFF > patience:
                 # Room runs out: what is out of sight and farther than two thirds of a body length goes first, or there would be none
                 # for what comes.
                 gone = 1
