@@ -26,6 +26,7 @@ _CROWDED = const(300)
 _HASH = const(1024)
 _SHARE = const(8)  # one slot in so many is looked at on a frame for what changes slowly: distance, travel, room
 _HALF = const(0x8000)
+_KEPT = const(240)  # most units of travel that an 8-bit number tells apart, a frame or two of looking away included
 
 # Odometry's step and the times are taken in 16 us, so that their products with displacements stay small.
 _STEP = const(625)
@@ -35,7 +36,7 @@ _LATEST_US = const(60_000)
 # Positions in the state buffer shared with the viper functions.
 _COUNT = const(0)
 _FRAME = const(1)
-_TRAVEL = const(2)
+_TRAVEL = const(2)  # rolled, in units of 2**_UNIT mm, modulo 2**8
 _X0 = const(3)  # the body at the frame's first point and at its last: 1/8 mm modulo 2**16
 _Y0 = const(4)
 _X1 = const(5)
@@ -46,8 +47,9 @@ _FAR = const(9)  # half side of the square remembered, 1/8 mm
 _CELL = const(10)  # floor cell, 1/8 mm
 _PER_CELL = const(11)  # 2**20 / cell
 _REACH = const(12)  # longest range taken, quarter mm
-_KEEP = const(13)  # mm rolled before an unseen point is given up
-_STATES = const(14)
+_KEEP = const(13)  # such units rolled before an unseen point is given up
+_UNIT = const(14)
+_STATES = const(15)
 
 
 _SQUARES = array("i")  # of ranges a quarter apart, mm**2
@@ -68,7 +70,7 @@ def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int
     """
     sine = ptr32(SIN)
     state[_FRAME] = (state[_FRAME] + 1) & 0xFFFF
-    state[_TRAVEL] = (travel >> 8) & 0xFFFF
+    state[_TRAVEL] = travel >> 8 + state[_UNIT] & 0xFF
     a = heading // 100
     b = a + 900
     if b >= 3600:
@@ -112,7 +114,7 @@ def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int
 
 @micropython.viper
 def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
-           fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr16, index: ptr16):
+           fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
     """Put the points of one frame on the floor, each from where the body was then: the scan rolls while the robot moves."""
     sine = ptr32(SIN)
     # The body's pose from point to point in 2**-13 of its units, n of them more: so rounding down hits what a division would give.
@@ -209,7 +211,7 @@ def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
 
 @micropython.viper
 def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
-            fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr16, index: ptr16):
+            fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
     """Drop what the frame disproves, what is too old and what is too far.
 
     A point in the frame's sector is disproved when all beams that could have met it go more than a
@@ -387,7 +389,7 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
                 q = 0 - q
             if p < q:
                 p = q
-            if p > far8 or (state[_TRAVEL] - travel[k]) & 0xFFFF > state[_KEEP]:
+            if p > far8 or (state[_TRAVEL] - travel[k]) & 0xFF >= state[_KEEP]:
                 gone = 1
             elif count > _CROWDED and p > far8 * 3 >> 3 and (stamp - frame[k]) & 0xFFFF > patience:
                 # Room runs out: what is out of sight and farther than two thirds of a body length goes first, or there would be none
@@ -449,14 +451,16 @@ class Surroundings:
         self._fy = array("H", bytes(2 * _CAPACITY))
         self._cell = array("H", bytes(2 * _CAPACITY))
         self._frame = array("H", bytes(2 * _CAPACITY))
-        self._travel = array("H", bytes(2 * _CAPACITY))
+        self._travel = bytearray(_CAPACITY)
         self._index = array("H", b"\xff\xff" * _HASH)
         self._state = state = array("i", [0] * _STATES)
         state[_FAR] = far8
         state[_CELL] = size
         state[_PER_CELL] = (1 << 20) // size
         state[_REACH] = min(far8 * 7 // 10, 32000)
-        state[_KEEP] = self.keep
+        while self.keep >> state[_UNIT] > _KEPT:
+            state[_UNIT] += 1
+        state[_KEEP] = self.keep >> state[_UNIT]
 
     @property
     def count(self):
