@@ -26,7 +26,7 @@ _CROWDED = const(300)
 _HASH = const(1024)
 _SHARE = const(8)  # one slot in so many is looked at on a frame for what changes slowly: distance, travel, room
 _HALF = const(0x8000)
-_KEPT = const(240)  # most units of travel that an 8-bit number tells apart, a frame or two of looking away included
+_KEPT = const(240)  # most units of travel that a point is kept: a byte tells 256 apart, and a slot has its turn after a few
 
 # Odometry's step and the times are taken in 16 us, so that their products with displacements stay small.
 _STEP = const(625)
@@ -70,7 +70,7 @@ def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int
     """
     sine = ptr32(SIN)
     state[_FRAME] = (state[_FRAME] + 1) & 0xFFFF
-    state[_TRAVEL] = travel >> 8 + state[_UNIT] & 0xFF
+    state[_TRAVEL] = (travel >> (8 + state[_UNIT])) & 0xFF
     a = heading // 100
     b = a + 900
     if b >= 3600:
