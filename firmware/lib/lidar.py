@@ -38,8 +38,8 @@ _HEADER = const(8)
 _MAX_POINTS = const(80)
 _MAX_LENGTH = const(253)  # L of a frame of 80 points
 
-_STORE = const(448)  # a chunk behind what may be left of a frame
-_CHUNK = const(192)
+_STORE = const(416)  # a chunk behind what may be left of a frame
+_CHUNK = const(160)  # a frame of 48 points
 
 _RULE_SUM = const(1)
 _RULE_CRC = const(2)

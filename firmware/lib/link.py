@@ -103,6 +103,8 @@ class Link:
     def frame(self, lidar):
         """Take note of a lidar frame, for those who want raw scans."""
         if self._commands.watch & 1:
+            if self._scan.ready:
+                self.dropped += 1  # there was no room for it in time
             self._scan.add(lidar)
 
     def update(self, now_us, robot):
@@ -128,12 +130,13 @@ class Link:
         elif listened:
             size = 0
             waits = self._replies or self._logs or self._names_due or commands.listing >= 0
-            if waits and self._has_room():
+            room = self._has_room()
+            if waits and room:
                 size = self._once()
             if not size:
                 size = self._again(now_us, robot)
-            if not size and not waits:
-                size = self._bulky(now_us, robot)  # these would leave no room for what waits
+            if not size and room and not waits:  # these would leave no room for what waits
+                size = self._bulky(now_us, robot)
             if size:
                 self._send(size, now_us)
 

@@ -29,6 +29,7 @@ _PROBES = const(8)  # places in the index where a cell may be named, one after t
 _NONE = const(0xFFFF)
 _SHARE = const(8)  # one slot in so many is looked at on a frame for what changes slowly: distance, travel, room
 _HALF = const(0x8000)
+_KEPT = const(240)  # most units of travel that a point is kept: a byte tells 256 apart, and a slot has its turn after a few
 
 # Odometry's step and the times are taken in 16 us, so that their products with displacements stay small.
 _STEP = const(625)
@@ -38,7 +39,7 @@ _LATEST_US = const(60_000)
 # Positions in the state buffer shared with the viper functions.
 _COUNT = const(0)
 _FRAME = const(1)
-_TRAVEL = const(2)
+_TRAVEL = const(2)  # rolled, in units of 2**_UNIT mm, modulo 2**8
 _X0 = const(3)  # the body at the frame's first point and at its last: 1/8 mm modulo 2**16
 _Y0 = const(4)
 _X1 = const(5)
@@ -49,15 +50,16 @@ _FAR = const(9)  # half side of the square remembered, 1/8 mm
 _CELL = const(10)  # floor cell, 1/8 mm
 _PER_CELL = const(11)  # 2**20 / cell
 _REACH = const(12)  # longest range taken, quarter mm
-_KEEP = const(13)  # mm rolled before an unseen point is given up
-_COARSE = const(14)  # farther than this, 1/8 mm, a cell is four
-_STATES = const(15)
+_KEEP = const(13)  # such units rolled before an unseen point is given up
+_UNIT = const(14)
+_COARSE = const(15)  # farther than this, 1/8 mm, a cell is four
+_STATES = const(16)
 
 
 _SQUARES = array("i")  # of ranges a quarter apart, mm**2
 _SHARES = array("H")  # of a frame's beams that pass within 20 mm of a point there, * 2**16
 _range = 64
-while _range < 5000:
+while _range < 8000:  # the memory of the longest body reaches 5300 mm
     _SQUARES.append(_range * _range)
     _SHARES.append((51 << 16) // _range + 1)
     _range += _range >> 2
@@ -72,7 +74,7 @@ def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int
     """
     sine = ptr32(SIN)
     state[_FRAME] = (state[_FRAME] + 1) & 0xFFFF
-    state[_TRAVEL] = (travel >> 8) & 0xFFFF
+    state[_TRAVEL] = (travel >> (8 + state[_UNIT])) & 0xFF
     a = heading // 100
     b = a + 900
     if b >= 3600:
@@ -116,7 +118,7 @@ def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int
 
 @micropython.viper
 def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
-           fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr16, index: ptr16):
+           fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
     """Put the points of one frame on the floor, each from where the body was then: the scan rolls while the robot moves."""
     sine = ptr32(SIN)
     # The body's pose from point to point in 2**-13 of its units, n of them more: so rounding down hits what a division would give.
@@ -222,7 +224,7 @@ def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
 
 @micropython.viper
 def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
-            fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr16, index: ptr16):
+            fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
     """Drop what the frame disproves, what is too old and what is too far.
 
     A point in the frame's sector is disproved when all beams that could have met it go more than a
@@ -277,21 +279,46 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
     far8 = state[_FAR]
     margin = (state[_CELL] >> 3) + 20
     patience = (_CAPACITY - count) * 4
+    # The coordinate along which the sector lies comes first: its sign settles half of the points.
+    along = fy
+    across = fx
+    pa = state[_Y1] - _HALF
+    qa = state[_X1] - _HALF
+    flip = 0
+    if c0 + c1 < 0:
+        flip = 0xFFFF
+    s0 = 0 - s0
+    c1 = 0 - c1
+    if (s1 - s0) * (s1 - s0) > (c0 - c1) * (c0 - c1):
+        along = fx
+        across = fy
+        k = pa
+        pa = qa
+        qa = k
+        flip = 0
+        if s1 - s0 < 0:
+            flip = 0xFFFF
+        k = s0
+        s0 = c0
+        c0 = k
+        k = s1
+        s1 = c1
+        c1 = k
     # Coordinates relative to the body are taken with 2**15 added: it is cheaper to take their share off the products.
-    x = state[_X1] - _HALF
-    y = state[_Y1] - _HALF
+    first = (s0 + c0) << 15
+    last = (s1 + c1) << 15
     due = stamp & (_SHARE - 1)
-    first = (c0 - s0) << 15
-    last = (s1 - c1) << 15
     k = 0
     while k < count:
-        px = (fx[k] - x) & 0xFFFF
-        py = (fy[k] - y) & 0xFFFF
+        p = (along[k] - pa) & 0xFFFF
         gone = 0
-        # clockwise from the first beam and anticlockwise from the last: inside the sector
-        u = px * c0 - py * s0 - first
-        if u >= 0:
-            v = py * s1 - px * c1 - last
+        if p ^ flip >= _HALF:
+            # clockwise from the first beam and anticlockwise from the last: inside the sector
+            q = (across[k] - qa) & 0xFFFF
+            u = p * s0 + q * c0 - first
+            v = -1
+            if u >= 0:
+                v = p * s1 + q * c1 - last
             if v >= 0:
                 age = (stamp - frame[k]) & 0xFFFF
                 u >>= 6
@@ -307,12 +334,16 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
                     d = distances[i]
                     reach = (d >> 2) + beyond
                     if d and reach > 0:
-                        rx = (px >> 3) - 4096
-                        ry = (py >> 3) - 4096
+                        rx = (p >> 3) - 4096
+                        ry = (q >> 3) - 4096
                         r2 = rx * rx + ry * ry
                         if r2 < reach * reach:
                             # The beams that could have met it: those within 20 mm of it, many where it is near.
                             m = 0
+                            if r2 > squares[9]:
+                                m = 10
+                            elif r2 > squares[5]:
+                                m = 6
                             while squares[m] < r2:
                                 m += 1
                             side = (n * shares[m] >> 16) + 1
@@ -361,17 +392,17 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
                                         gone = 1
         if k == due:
             due += _SHARE
-            px -= _HALF
-            py -= _HALF
-            if px < 0:
-                px = 0 - px
-            if py < 0:
-                py = 0 - py
-            if py > px:
-                px = py
-            if px > far8 or (state[_TRAVEL] - travel[k]) & 0xFFFF > state[_KEEP]:
+            p -= _HALF
+            if p < 0:
+                p = 0 - p
+            q = ((across[k] - qa) & 0xFFFF) - _HALF
+            if q < 0:
+                q = 0 - q
+            if p < q:
+                p = q
+            if p > far8 or (state[_TRAVEL] - travel[k]) & 0xFF >= state[_KEEP]:
                 gone = 1
-            elif count > _CROWDED and px > far8 * 3 >> 3 and (stamp - frame[k]) & 0xFFFF > patience:
+            elif count > _CROWDED and p > far8 * 3 >> 3 and (stamp - frame[k]) & 0xFFFF > patience:
                 # Room runs out: what is out of sight and farther than two thirds of a body length goes first, or there would be none
                 # for what comes.
                 gone = 1
@@ -437,14 +468,16 @@ class Surroundings:
         self._fy = array("H", bytes(2 * _CAPACITY))
         self._cell = array("H", bytes(2 * _CAPACITY))
         self._frame = array("H", bytes(2 * _CAPACITY))
-        self._travel = array("H", bytes(2 * _CAPACITY))
+        self._travel = bytearray(_CAPACITY)
         self._index = array("H", b"\xff\xff" * _HASH)
         self._state = state = array("i", [0] * _STATES)
         state[_FAR] = far8
         state[_CELL] = size
         state[_PER_CELL] = (1 << 20) // size
         state[_REACH] = min(far8 * 7 // 10, 32000)
-        state[_KEEP] = self.keep
+        while self.keep >> state[_UNIT] > _KEPT:
+            state[_UNIT] += 1
+        state[_KEEP] = self.keep >> state[_UNIT]
         state[_COARSE] = length * 8
 
     @property

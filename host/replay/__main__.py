@@ -8,6 +8,7 @@ Exit status: 0 all the same; 1 something differs; 2 nothing to replay, or wrong 
 
 import argparse
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -98,4 +99,10 @@ def _parser() -> argparse.ArgumentParser:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        status = main()
+        sys.stdout.flush()
+    except BrokenPipeError:  # whoever read it, head or less, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = DIFFERS
+    sys.exit(status)

@@ -131,7 +131,7 @@ def test_the_robot_is_seen_to_drive_and_stop_stops_it(monitor):
     assert page.colours("map") > 20 and page.colours("world") > 5 and page.colours("charts") > 10
     first, before = page.picture("map"), page.place()
     assert page.until(lambda: page.picture("map") != first and page.place()[:2] != before[:2])
-    page.click("candidates")
+    page.click("scan")
     time.sleep(4)
     assert page.text("reason")
     page.keep_screenshot("monitor.png")

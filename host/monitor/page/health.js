@@ -13,7 +13,7 @@ export class Health {
     this.put("lidar", `${health.lidar_speed.toFixed(2)} r/s, ${health.frames} frames, ${health.errors} bad`, !health.lidar_ok);
     this.put("chips", health.chips ? "answer" : "silent", !health.chips);
     this.put("worst loop", `${health.worst.toFixed(1)} ms`, health.worst > 100);
-    this.put("heap free", `${(health.heap / 1000).toFixed(0)} kB`, health.heap < 8000);
+    this.put("heap free", `${(health.heap / 1000).toFixed(0)} kB`, health.heap < 1500);
     this.put("running for", `${Math.floor(health.uptime / 60)} min ${Math.floor(health.uptime % 60)} s`);
     this.put("link", `${health.dropped} dropped, ${health.refused} refused`);
   }

@@ -31,6 +31,7 @@ const player = new Player(send);
 const tune = new Tune(get("parameters"), get("trims"), send);
 const hand = new Hand(state, send, stop, auto);
 let heard = 0;
+let session = null;
 let changed = true;
 
 const KEPT = ["hello", "names", "world", "health", "decision", "points", "wheels", "pose", "truth", "scan", "playback"];
@@ -43,6 +44,7 @@ const HEAR = {
     world.clear();
     charts.clear();
     hand.release();
+    session = null;
     state.ended = null;
     player.connected(message);
     state.commands = message.commands;
@@ -51,7 +53,14 @@ const HEAR = {
     world.clear();
     charts.clear();
   },
-  hello(message) { document.title = `${message.robot} – Gapseeker`; },
+  hello(message) {
+    document.title = `${message.robot} – Gapseeker`;
+    if (message.session === session) return;
+    // Another robot, or the same one started anew: it knows nothing of what this page wants.
+    if (session && state.commands) send({ do: "list" });
+    session = message.session;
+    watch();
+  },
   decision(message) {
     charts.note(message);
     // Another page, the screen or the robot itself may have taken over.
@@ -118,8 +127,12 @@ get("keep").onclick = () => send({ do: "keep" });
 for (const id of ["scan", "candidates"]) {
   get(id).onchange = () => {
     if (!get(id).checked) delete state[id];
-    send({ do: "watch", scan: get("scan").checked, candidates: get("candidates").checked });
+    watch();
   };
+}
+
+function watch() {
+  if (state.commands) send({ do: "watch", scan: get("scan").checked, candidates: get("candidates").checked });
 }
 
 addEventListener("keydown", (event) => {

@@ -1,12 +1,17 @@
 // Every live parameter with its unit, range and meaning; servo trims, with the wheel turning as one drags.
 
-const SETTLE_MS = 120;
+const PERIOD_MS = 120;
+const SETTLE_MS = 500;
+// The robot stands still for each new value of these: it gets the one at which the slider comes to rest.
+const TABLES = ["avoid.margin", "avoid.soft_margin", "windows.look_ahead"];
 
 export class Tune {
   constructor(box, trims, send) {
     Object.assign(this, { box, trims, send });
     this.rows = {};
-    this.timers = {};
+    this.next = {};
+    this.busy = {};
+    this.settle = null;
   }
 
   clear() {
@@ -53,12 +58,26 @@ export class Tune {
     return { box, set };
   }
 
-  // A slider makes dozens of values a second; the robot gets the last of each moment.
+  // A slider makes dozens of values a second; the robot gets the last of each moment, so that a wheel turns as its trim is dragged.
   tune(key, value) {
-    clearTimeout(this.timers[key]);
-    this.timers[key] = setTimeout(() => {
-      this.send({ do: "tune", key, value });
+    this.next[key] = value;
+    if (!TABLES.includes(key) && !this.busy[key]) this.tell(key);
+    // What the robot has made of it, told when there is a rest.
+    clearTimeout(this.settle);
+    this.settle = setTimeout(() => {
+      for (const one of Object.keys(this.next)) this.tell(one);
       this.send({ do: "list" });
     }, SETTLE_MS);
+  }
+
+  tell(key) {
+    if (!(key in this.next)) return;
+    this.send({ do: "tune", key, value: this.next[key] });
+    delete this.next[key];
+    this.busy[key] = true;
+    setTimeout(() => {
+      this.busy[key] = false;
+      if (!TABLES.includes(key)) this.tell(key);
+    }, PERIOD_MS);
   }
 }
