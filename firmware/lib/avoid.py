@@ -24,6 +24,7 @@ from windows import NO_ZONE, RED, Windows
 
 _POINTS = const(320)
 _NODES = const(6)
+_FINE = const(6)  # more lengths tried of the first move of the best pair
 _NOTHING = const(65535)
 _NO_POINT = const(32767)
 _LEFT_SIDE = const(1000)
@@ -179,13 +180,17 @@ class Avoid:
         self._sweep = Sweep(env)
         self._ends_job = array("i", [0] * 11)
         self._weigh_job = array("i", [0] * 10)
-        self._node_variant = bytearray(_NODES)
-        self._node_at = array("H", bytes(2 * _NODES))
-        self._node_score = array("H", bytes(2 * _NODES))
+        nodes = _NODES + _FINE
+        self._node_variant = bytearray(nodes)
+        self._node_k = bytearray(nodes)
+        self._node_length = array("H", bytes(2 * nodes))
+        self._node_score = array("i", bytes(4 * nodes))
         self._nodes = 0
         self._node = 0
         self._n = 0
         self._near = 0
+        self._coarse = 0
+        self._end_x = self._end_y = 0
         self._n2 = self._near2 = self._left2 = 0  # the same, as seen from the end of a first move
         self._stage = _FIELD
         self._next = 0  # of what a stage has cut into slices
@@ -466,6 +471,8 @@ class Avoid:
         if stage == _EXPAND:
             if self._expand():
                 self._node += 1
+                if self._node == self._nodes:
+                    self._refine()
                 if self._node >= self._nodes:
                     self._stage = _SETTLE
             return False
@@ -615,14 +622,56 @@ class Avoid:
             if best == 65535:
                 break
             self._node_variant[n] = variant
-            self._node_at[n] = at
+            self._node_k[n] = at // LENGTHS
+            self._node_length[n] = env.lengths[at % LENGTHS]
             self._node_score[n] = best
             _suppress(self._score[variant], env.ends, env.turns, env.count, at, env.look_ahead // 12, env.half_length)
             n += 1
         self._nodes = n
+        self._coarse = n
         self._node = 0
         self._best_value = 65535
         self._best_node = 0
+
+    def _refine(self):
+        """More lengths of the best pair's first move: whether a long body gets round a corner depends on where its turn begins, to the centimetre."""
+        if self._best_value == 65535 or self._nodes > self._coarse:
+            return
+        best = self._best_node
+        v = self._node_variant[best]
+        k = self._node_k[best]
+        length = self._node_length[best]
+        free = self.free_of[v][k]
+        n = self._nodes
+        unit = self.envelopes.half_length // 25
+        for d in (-3, -2, -1, 1, 2, 3):
+            other = length + d * unit
+            if 2 * unit < other <= free:
+                self._node_variant[n] = v
+                self._node_k[n] = k
+                self._node_length[n] = other
+                self._node_score[n] = self._node_score[best] + other - length
+                n += 1
+        self._nodes = n
+
+    def _end(self, k, length):
+        """Where the body's centre comes to lie after `length` mm on candidate k: _end_x, _end_y (mm), and how far it turns, 0.1 deg."""
+        env = self.envelopes
+        if k >= env.arcs:
+            b = (k - env.arcs) * 8
+            self._end_x = env.strips[b] * length >> 14
+            self._end_y = env.strips[b + 1] * length >> 14
+            return 0
+        b = k * 13
+        c = env.consts
+        xc = c[b] - 8192
+        yc = c[b + 1] - 8192
+        turn = length * 36000 // c[b + 9]
+        s = sin14((turn + 5) // 10)
+        o = cos14((turn + 5) // 10)
+        self._end_x = xc - ((xc * o + yc * s) >> 14)
+        self._end_y = yc + ((xc * s - yc * o) >> 14)
+        return (turn + 5) // 10
 
     def _expand(self):
         """Second moves from where a node ends, right and left, a slice of candidates at a time. True after the last.
@@ -631,17 +680,16 @@ class Avoid:
         """
         env = self.envelopes
         v = self._node_variant[self._node]
-        at = self._node_at[self._node]
-        k = at // LENGTHS
+        k = self._node_k[self._node]
         second = 1 if self._next >= _LEFT_SIDE else 0
         first = self._next - second * _LEFT_SIDE
         if first == 0:
             if second:
                 mirror(self._nx, self._n2)
             else:
-                x = env.ends[at * 2] - 8192
-                y = env.ends[at * 2 + 1] - 8192
-                turn = env.turns[at]
+                turn = self._end(k, self._node_length[self._node])
+                x = self._end_x
+                y = self._end_y
                 if v & 1:
                     x = -x
                     turn = -turn
@@ -653,6 +701,10 @@ class Avoid:
                 self._near2 = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.soft + BAND_MM)
                 self._n2 = n
                 self._grid(x, y, turn)
+                if self._node < self._coarse:
+                    # The second move's score replaces the cost of the pose where the first ends.
+                    job = self._ends_job
+                    self._node_score[self._node] -= self.field.at(job[0] + self.field.corner_x, job[1] + self.field.corner_y, job[10])
             self._left2 = drop_behind(self._nx, self._ny, self._near2, self._n2, env.half_length + env.soft, self._swing)
         n = self._left2
         a = env.af[k]
@@ -663,9 +715,6 @@ class Avoid:
             a, r = -r, -a
         elif v == 3:
             a, r = r, a
-        # The second move's score replaces the cost of the pose where the first ends.
-        job = self._ends_job
-        base = self._node_score[self._node] - self.field.at(job[0] + self.field.corner_x, job[1] + self.field.corner_y, job[10])
         if env.ahead_end <= first < env.arcs:
             first = env.arcs
         stride = 2 if first < env.arcs else 1
@@ -674,7 +723,7 @@ class Avoid:
         self._worth(second, self._free2, self._soft2, self._score2, first, last, stride, a, r, 60)
         b = _best(self._score2, first, last, stride)
         if b != _NOTHING:
-            value = base + self._score2[b] + self._against(second, b)
+            value = self._node_score[self._node] + self._score2[b] + self._against(second, b)
             if value < self._best_value:
                 self._best_value = value
                 self._best_node = self._node
@@ -694,9 +743,8 @@ class Avoid:
             return
         if self._best_value < 65535:
             v = self._node_variant[self._best_node]
-            at = self._node_at[self._best_node]
-            self._take(v, at // LENGTHS)
-            length = env.lengths[at % LENGTHS]
+            self._take(v, self._node_k[self._best_node])
+            length = self._node_length[self._best_node]
             self._plan = 1
             self._until = odometry.travel256 + (length << 8)
             self._limit = length
@@ -704,12 +752,11 @@ class Avoid:
             return
         if self._nodes:
             v = self._node_variant[0]
-            at = self._node_at[0]
-            self._take(v, at // LENGTHS)
+            self._take(v, self._node_k[0])
             self._plan = 1
             self._second_k = -1
-            self._until = odometry.travel256 + (env.lengths[at % LENGTHS] << 8)
-            self._limit = env.lengths[at % LENGTHS]
+            self._limit = self._node_length[0]
+            self._until = odometry.travel256 + (self._limit << 8)
             self.why = reasons.BACK if v & 2 else reasons.BEND
             return
         self._plan = 0
