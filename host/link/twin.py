@@ -36,7 +36,7 @@ def arguments_of(course: str, options: dict) -> dict:
     names = {name.lower(): name for name in courses.NAMES}
     if course.lower() not in names:
         raise AddressError(f"twin:{course}: courses are {', '.join(courses.NAMES)}")
-    arguments = {"course": names[course.lower()], "speed": 1.0, "record": False}
+    arguments = {"course": names[course.lower()], "speed": 1.0}
     for key, text in options.items():
         if key not in OPTIONS:
             raise AddressError(f"twin option {key!r}: there are {', '.join(OPTIONS)}")
@@ -57,13 +57,15 @@ class TwinLink(Link):
 
     def __init__(self, address: str, course: str, options: dict):
         super().__init__(address)
-        from host.twin.simulation import Watch
+        from host.twin.simulation import LIMIT_US, Watch
 
         arguments = arguments_of(course, options)
         self._outgoing: list[bytes] = []
         self._guard = threading.Lock()
         self._open = True
         self._told = False
+        self._limit = LIMIT_US
+        self._held = False  # a person drives it, or has stopped it
         self._looked = 0.0
         watch = _make_watch(Watch, self)
         self._thread = threading.Thread(target=self._run, args=(arguments, watch), daemon=True)
@@ -74,6 +76,10 @@ class TwinLink(Link):
         self._open = False
         self._thread.join(5)
 
+    def drive(self, what: str, af: float = 0, ar: float = 0, v: float = 90) -> None:
+        super().drive(what, af, ar, v)
+        self._held = what != "auto"
+
     def _run(self, arguments: dict, watch) -> None:
         from host.twin.run import run
 
@@ -83,7 +89,8 @@ class TwinLink(Link):
             self._end(f"the twin could not run: {error}")
             return
         text = f"{result.result} after {result.time_s:.1f} s, least clearance {result.min_clearance_mm:.0f} mm, contacts {result.contacts}"
-        self._end(text + (f" ({result.reason})" if result.reason else ""))
+        text += f" ({result.reason})" if result.reason else ""
+        self._end(text + (f"; recorded, to replay it: python -m host.replay {result.recording}" if result.recording else ""))
 
     def _send(self, data: bytes) -> None:
         with self._guard:
@@ -100,6 +107,9 @@ class TwinLink(Link):
         """Tell the world once, and where the robot really is."""
         if not self._open:
             raise KeyboardInterrupt  # the twin's way to be told to end
+        if self._held:
+            # The time that a course may take is the robot's, not the person's.
+            simulation.limit = simulation.now + self._limit
         if not self._told:
             self._told = True
             self._put(world_of(simulation.course))

@@ -4,6 +4,7 @@ import os
 import select
 import shutil
 import sys
+import textwrap
 import time
 from contextlib import contextmanager
 
@@ -116,6 +117,7 @@ def picture(latest: dict, said: list[str], recording: str | None = None) -> list
     if wheels:
         out.append(" ".join(f"{angle:5.0f}" for angle in wheels["angles"]) + "  deg")
         out.append(" ".join(f"{speed:5.0f}" for speed in wheels["speeds"]) + "  mm/s")
+    said = [row for text in said for row in textwrap.wrap(text, columns - 1)][-6:]
     out += chart(latest, columns - 1, max(rows - len(out) - len(said) - 3, 5))
     out += said
     out.append((f"recording {recording}   " if recording else "") + HELP)

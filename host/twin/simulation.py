@@ -43,7 +43,8 @@ class Simulation:
 
     course: Course. vehicle: Vehicle. seed: of the imperfections; other than 0 it perturbs the start as well. watch: Watch.
 
-    now: simulated time, us. body, lidar, electronics, contact: the parts; a Watch may change what they hold, to see what the firmware does.
+    now: simulated time, us. limit: when the run has failed, us; a Watch may put it off.
+    body, lidar, electronics, contact: the parts; a Watch may change what they hold, to see what the firmware does.
     result: None until the run is over, then one of PASS, LOCAL_COLLISION, BLOCKED, TIMEOUT; reason: why, when there is more to say.
     """
 
@@ -53,6 +54,7 @@ class Simulation:
         self.course = course
         self._lidar_wire = vehicle.lidar.rx, vehicle.lidar.baud
         self._watch = watch
+        self.limit = LIMIT_US
         world = World(course.segments)
         self.body = Body(vehicle, robot, perturbed(course.start, start) if seed else course.start)
         self.lidar = Delta2B(vehicle.lidar, world, noise, version)
@@ -143,9 +145,9 @@ class Simulation:
             self._end(LOCAL_COLLISION if contact.touches else PASS)
         elif contact.held_us > STUCK_US:
             self._end(BLOCKED, "held by a wall for 10 s")
-        elif end >= LIMIT_US:
+        elif end >= self.limit:
             held = contact.refused is not None and end - contact.refused < STUCK_US
-            self._end(BLOCKED if held else TIMEOUT, "60 s are over")
+            self._end(BLOCKED if held else TIMEOUT, f"{LIMIT_US / 1e6:g} s are over")
 
     def _end(self, result, reason=""):
         if self.result is None:

@@ -58,6 +58,24 @@ def test_what_the_twin_does_not_know(text, words):
         connect(text)
 
 
+def test_a_twin_that_fails_leaves_a_recording_and_one_driven_by_hand_has_time(tmp_path, monkeypatch):
+    from host.twin import recorder, simulation
+
+    monkeypatch.setattr(recorder, "OUT", tmp_path)
+    monkeypatch.setattr(simulation, "LIMIT_US", 2e6)
+    with connect("twin:z?speed=max") as link:
+        told = link.wait_for("ended", 20)["text"]
+    assert "timeout" in told and "python -m host.replay" in told
+    assert str(next(tmp_path.iterdir())) in told
+    with connect("twin:z?speed=2") as link:
+        link.drive("stop")
+        link.wait_for("reply")
+        end = time.monotonic() + 2.5
+        while time.monotonic() < end:
+            message = link.get(1)
+            assert message is None or message["type"] != "ended"
+
+
 @pytest.mark.parametrize("text", ["serial:/dev/no-such-port", "file:/no/such.rec", "udp:localhost:many", "udp:no-such-robot.invalid"])
 def test_what_cannot_be_opened(text):
     with pytest.raises(LinkError):

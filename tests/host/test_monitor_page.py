@@ -173,6 +173,24 @@ def test_a_parameter_is_tuned_and_comes_back_from_the_robot(monitor):
     assert before != "22" and page.until(lambda: page.browser.execute_script(changed))
 
 
+def test_a_trim_is_told_while_it_is_dragged(monitor):
+    page = monitor("twin:random?seed=3")
+    assert page.until(lambda: page.browser.find_elements("id", "parameter-servos.trims.2"))
+    page.click("stop")
+    drag = """const one = document.getElementById("parameter-servos.trims.2").parentNode.querySelector("[type=range]");
+        window.told = []; const send = WebSocket.prototype.send;
+        WebSocket.prototype.send = function (text) { const what = JSON.parse(text); if (what.do === "tune") told.push(what.value); send.call(this, text); };
+        let value = 0;
+        const timer = setInterval(() => {
+          one.value = value += 0.5;
+          one.dispatchEvent(new Event("input"));
+          if (value >= 10) clearInterval(timer);
+        }, 40)"""
+    page.browser.execute_script(drag)
+    assert page.until(lambda: page.browser.execute_script("return told.at(-1) === 10 && told.length > 3"))
+    assert not page.browser.find_element("id", "player").is_displayed()
+
+
 def test_a_drive_is_recorded_and_replayed(monitor, tmp_path):
     path = tmp_path / "drive.rec"
     page = monitor("twin:z?width=620", "--record", str(path))
@@ -248,6 +266,25 @@ def test_the_page_s_geometry_is_the_robot_s(monitor):
             assert abs(apart) < 0.15, (af, ar, k)
         assert one["error"] < 0.5 and one["turn"] < 1e-3
     assert found[0]["angles"][0] == pytest.approx(43.87, abs=0.01) and found[0]["angles"][1] == pytest.approx(83.46, abs=0.01)
+
+
+MOTION = """
+const done = arguments[arguments.length - 1], wrap = 2 ** 30 / 1e6;
+import("/motion.js").then(({ Motion }) => {
+  const motion = new Motion();
+  const before = motion.from(5)(3, 4);
+  motion.note({ time: wrap - 0.5, x: 0, y: 0, heading: 350 });
+  motion.note({ time: 0.5, x: 100, y: 200, heading: 90 });
+  done([before, motion.from(wrap - 0.5)(0, 1000), motion.from(0)(0, 0), motion.from(0.5)(7, 8), motion.from(wrap - 5)(1, 2)]);
+});
+"""
+
+
+def test_what_was_seen_moves_with_the_robot(monitor):
+    page = monitor("twin:z?width=620")
+    found = [(round(one["x"]), round(one["y"])) for one in page.browser.execute_async_script(MOTION)]
+    # Nothing known, seen across the clock's wrap, half way between two poses, just now, too long ago.
+    assert found == [(3, 4), (-785, -274), (100, -50), (7, 8), (1, 2)]
 
 
 def test_a_gamepad_drives(monitor):

@@ -6,6 +6,7 @@ import { Hand } from "./drive.js";
 import { Health } from "./health.js";
 import { Live } from "./live.js";
 import { HeadUp } from "./map.js";
+import { Motion } from "./motion.js";
 import { Player } from "./player.js";
 import { Tune } from "./tune.js";
 import { World } from "./world.js";
@@ -21,7 +22,8 @@ const state = {
   },
 };
 
-const map = new HeadUp(get("map"), state);
+const motion = new Motion();
+const map = new HeadUp(get("map"), state, motion);
 const world = new World(get("world"), state);
 const charts = new Charts(get("charts"));
 const dials = new Dials(get("dials"));
@@ -42,6 +44,7 @@ const HEAR = {
     state.parameters = {};
     tune.clear();
     world.clear();
+    motion.clear();
     charts.clear();
     hand.release();
     session = null;
@@ -51,6 +54,7 @@ const HEAR = {
   },
   jump() {
     world.clear();
+    motion.clear();
     charts.clear();
   },
   hello(message) {
@@ -68,7 +72,10 @@ const HEAR = {
   },
   wheels(message) { dials.show(message); },
   truth(message) { world.note(message); },
-  pose(message) { world.note(message); },
+  pose(message) {
+    world.note(message);
+    motion.note(message);
+  },
   health(message) { health.show(message, state.names?.faults); },
   parameter(message) {
     state.parameters[message.key] = message;

@@ -6,9 +6,10 @@ import { bodyOf, carry, corners, firstHit, pose, sweep, twist, wheels, zones } f
 const NONE = "#7d8a96";
 
 export class HeadUp {
-  constructor(canvas, state) {
+  constructor(canvas, state, motion) {
     this.canvas = canvas;
     this.state = state;
+    this.motion = motion;
   }
 
   draw() {
@@ -21,6 +22,7 @@ export class HeadUp {
     pen.translate(width / 2, height / 2);
     pen.scale(scale, -scale);
     this.pixel = 1 / scale;
+    this.seen = this.now(state.points);
 
     this.rings(pen);
     this.margins(pen, body, ahead);
@@ -30,6 +32,14 @@ export class HeadUp {
     this.points(pen);
     this.body(pen, body);
     this.block(pen);
+  }
+
+  // The points as the robot would see them from where it is now.
+  now(points) {
+    if (!points) return null;
+    const shift = this.motion.from(points.time);
+    const places = points.x.map((x, i) => shift(x, points.y[i]));
+    return { x: places.map((p) => p.x), y: places.map((p) => p.y), window: points.window };
   }
 
   rings(pen) {
@@ -95,7 +105,8 @@ export class HeadUp {
   }
 
   rejected(pen, body, ahead) {
-    const { candidates, points } = this.state;
+    const { candidates } = this.state;
+    const points = this.seen;
     const margin = this.state.parameter("avoid.margin", 15);
     for (const { list, backward } of Object.values(candidates || {})) {
       for (const one of list) {
@@ -114,14 +125,17 @@ export class HeadUp {
   }
 
   points(pen) {
-    const { scan, points } = this.state;
+    const { scan } = this.state;
+    const points = this.seen;
     const dot = (x, y, size) => pen.fillRect(x - size / 2, y - size / 2, size, size);
     if (scan) {
       pen.fillStyle = "#ffffff30";
+      const shift = this.motion.from(scan.times[scan.times.length - 1]);
       scan.distances.forEach((distance, i) => {
         if (!distance) return;
         const bearing = scan.bearings[i] * Math.PI / 180;
-        dot(distance * Math.sin(bearing), distance * Math.cos(bearing), 3 * this.pixel);
+        const p = shift(distance * Math.sin(bearing), distance * Math.cos(bearing));
+        dot(p.x, p.y, 3 * this.pixel);
       });
     }
     if (!points) return;
@@ -165,8 +179,10 @@ export class HeadUp {
   }
 
   block(pen) {
-    const block = this.state.decision?.block;
-    if (!block) return;
+    const { decision } = this.state;
+    if (!decision?.block) return;
+    const { x, y } = this.motion.from(decision.time)(...decision.block);
+    const block = [x, y];
     this.cross(pen, block, "#ff5a52", 7);
     pen.beginPath();
     pen.arc(block[0], block[1], 11 * this.pixel, 0, 2 * Math.PI);
