@@ -236,8 +236,8 @@ class Avoid:
         """
         c = self.config
         if self.envelopes.outdated(c):
-            self.field.refill(c)
             self.envelopes.refill(c)
+            self.field.refill(c)
             self.v = 90
             self.why = reasons.LOOKING
             self._plan = 0

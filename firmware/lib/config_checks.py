@@ -31,7 +31,10 @@ def fill(config, values):
     live = []
     limits = []
     for key, _, default, low, high, unit, _ in schema.LIVE:
-        setattr(config, attribute(key), number(key, given.pop(key, default), low, high, unit, 1, False))
+        value = given.pop(key, default)
+        if value is None and default is None:  # windows.look_ahead
+            value = config.robot_length * 3 // 2
+        setattr(config, attribute(key), number(key, value, low, high, unit, 1, False))
         live.append(_shared(config, attribute(key)))
         limits += low, high
     config.live = tuple(live)

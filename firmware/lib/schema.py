@@ -16,7 +16,8 @@ wheels      list, one value for each wheel: axle 1 left, axle 1 right, axle 2 le
 signs       likewise, each 1 or -1
 pairs       list, one value for each axle
 
-A default of None: for axles.first half the sum of the spacings, for channels 0, 1, 2, ... (wheels) or 0, 2, 4, ... (pairs), for a pin none.
+A default of None: for axles.first half the sum of the spacings, for channels 0, 1, 2, ... (wheels) or 0, 2, 4, ... (pairs), for a pin none,
+for windows.look_ahead one and a half body lengths.
 The attribute of `Config` is the key with a dot turned into an underscore: lidar.baud is config.lidar_baud.
 """
 
@@ -98,7 +99,7 @@ LIVE = (
     ("motors.dead_band", "int", 0, 0, 50, "%", "duty at which the wheels just do not turn"),
     ("windows.red", "int", 20, 0, 200, "mm", "emergency margin round the body"),
     ("windows.blue", "int", 45, 1, 400, "mm", "caution margin round the body"),
-    ("windows.look_ahead", "int", 700, 100, 3000, "mm", "length of the planning window; the robot stands a moment to take it over"),
+    ("windows.look_ahead", "int", None, 100, 4500, "mm", "length of the planning window, null for 1.5 body lengths; the robot stands a moment to take it over"),
     ("windows.side", "int", 300, 0, 1500, "mm", "width of the planning window beside the body"),
     ("avoid.margin", "int", 9, 0, 100, "mm", "clearance kept to every point; the robot stands a moment to take it over"),
     ("avoid.soft_margin", "int", 30, 0, 200, "mm", "clearance preferred; the robot stands a moment to take it over"),

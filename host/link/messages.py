@@ -144,7 +144,9 @@ def _parameter(payload):
         wheel = int(key.rpartition(".")[2])
         known = {"default": 0, "unit": "deg", "meaning": f"trim of axle {wheel // 2 + 1} {('left', 'right')[wheel % 2]}"}
     else:
-        known = _KNOWN.get(key, {"default": told["value"], "unit": "", "meaning": key})
+        known = dict(_KNOWN.get(key, {"default": None, "unit": "", "meaning": key}))
+        if known["default"] is None:  # it goes with the body
+            known["default"] = told["value"]
     return {"type": "parameter", **known, **told}
 
 

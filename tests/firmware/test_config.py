@@ -179,4 +179,11 @@ def test_every_row_is_complete_and_every_default_allowed():
     for row in schema.BOOT + schema.LIVE:
         assert len(row) == 7 and row[6] and row[6] == row[6].strip(), row
     for row in schema.LIVE:
-        assert row[1] == "int" and type(row[2]) is int and row[3] <= row[2] <= row[4], row
+        default = Config().get(row[0]) if row[2] is None else row[2]
+        assert row[1] == "int" and type(default) is int and row[3] <= default <= row[4], row
+
+
+def test_the_planning_window_goes_with_the_body():
+    assert Config().windows_look_ahead == 900
+    assert Config({"robot": {"length": 1200}, "windows": {"look_ahead": None}}).windows_look_ahead == 1800
+    assert Config({"robot": {"length": 1200}, "windows": {"look_ahead": 700}}).windows_look_ahead == 700

@@ -84,7 +84,7 @@ def test_early_stops_are_rare():
     assert early * 50 < total, (early, total)
 
 
-_OTHERS = ((0, 0, 100), (20, 35, 900), (100, 200, 3000), (9, 30, 700))  # margin, soft margin, look-ahead
+_OTHERS = ((0, 0, 100), (20, 35, 900), (100, 200, 3000), (9, 30, 900))  # margin, soft margin, look-ahead
 
 
 def _tuned(config, margin, soft, look_ahead):
@@ -141,7 +141,7 @@ def test_without_memory_the_old_tables_stay_whole():
         pass
     finally:
         envelope_strips.fill = original
-    assert (env.margin, env.soft, env.look_ahead) == (9, 30, 700) and env.outdated(config)
+    assert (env.margin, env.soft, env.look_ahead) == (9, 30, 900) and env.outdated(config)
     _check_same(env, Envelopes(Config()))
 
 

@@ -5,7 +5,7 @@ from array import array
 from config import Config
 from windows import BLUE, GREEN, NONE, RED, YELLOW, Windows
 
-# red 20 mm, blue 45 mm round a body of 250 x 600 mm; the planning window is 700 mm long and 300 mm wide beside the body
+# red 20 mm, blue 45 mm round a body of 250 x 600 mm; the planning window is 900 mm long and 300 mm wide beside the body
 _windows = Windows(Config(), 16)
 
 
@@ -18,7 +18,7 @@ def _sort(*points):
 
 
 def test_a_point_in_each_window():
-    for y, window in ((290, GREEN), (310, RED), (330, BLUE), (900, YELLOW), (1100, NONE)):
+    for y, window in ((290, GREEN), (310, RED), (330, BLUE), (1100, YELLOW), (1300, NONE)):
         assert _sort((0, y))[1] == [window], y
         assert _sort((0, -y))[1] == [window], -y
     for x, window in ((0, GREEN), (140, RED), (160, BLUE), (400, YELLOW), (500, NONE)):
