@@ -67,18 +67,21 @@ export function sweep(body, af, ar, distance, steps = 24) {
   return out;
 }
 
-// The point that ends a way of `distance` mm: the first that the body, grown by the margin, meets a little further on; null if there is none.
-export function firstHit(body, t, distance, sign, points, margin) {
+// How far a way of `distance` mm (negative: backward) leads before the body, grown by the margin, meets a point it does not touch at the start, or
+// meets one a little further on: { way, point }, point being its number, or -1.
+export function firstHit(body, t, distance, points, margin, step = 30, further = 60) {
   const w = body.width / 2 + margin, l = body.length / 2 + margin;
-  for (let further = 0; further <= 60; further += 12) {
-    const at = pose(t, distance + sign * further);
+  const sign = Math.sign(distance) || 1, end = Math.abs(distance) + further;
+  const ahead = points.x.map((x, i) => i).filter((i) => Math.abs(points.x[i]) > w || Math.abs(points.y[i]) > l);
+  for (let way = step; way <= end; way += step) {
+    const at = pose(t, sign * way);
     const s = Math.sin(at.heading), c = Math.cos(at.heading);
-    for (let i = 0; i < points.x.length; i++) {
+    for (const i of ahead) {
       const dx = points.x[i] - at.x, dy = points.y[i] - at.y;
-      if (Math.abs(dx * c - dy * s) <= w && Math.abs(dx * s + dy * c) <= l) return [points.x[i], points.y[i]];
+      if (Math.abs(dx * c - dy * s) <= w && Math.abs(dx * s + dy * c) <= l) return { way: sign * Math.min(way - step / 2, Math.abs(distance)), point: i };
     }
   }
-  return null;
+  return { way: distance, point: -1 };
 }
 
 // The ten zones as polygons round the body, a band of `margin` mm: 0 front, then clockwise.

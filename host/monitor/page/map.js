@@ -105,23 +105,31 @@ export class HeadUp {
   }
 
   rejected(pen, body, ahead) {
-    const { candidates } = this.state;
-    const points = this.seen;
-    const margin = this.state.parameter("avoid.margin", 15);
-    for (const { list, backward } of Object.values(candidates || {})) {
+    const { candidates, points } = this.state;
+    if (!this.judged || this.judged.candidates !== candidates || this.judged.points !== points) this.judged = { candidates, points, ways: this.judge(body, ahead) };
+    for (const { t, way, backward, point } of this.judged.ways) {
+      const lead = corners(body).slice(...(backward ? [2, 4] : [0, 2]));
+      pen.lineWidth = this.pixel;
+      pen.strokeStyle = "#ff8a6538";
+      for (const corner of lead) line(pen, Array.from({ length: 9 }, (_, i) => carry(corner, pose(t, way * i / 8))));
+      if (point >= 0 && this.seen) this.cross(pen, [this.seen.x[point], this.seen.y[point]], "#ff8a65aa", 3);
+    }
+  }
+
+  // The candidates as the points allow them by now: what was found out about them is some moments old.
+  judge(body, ahead) {
+    const margin = this.state.parameter("avoid.margin", 9);
+    const ways = [];
+    for (const { list, backward } of Object.values(this.state.candidates || {})) {
       for (const one of list) {
         if (one.chosen) continue;
         const t = twist(body, one.af, one.ar);
-        const way = Math.min(one.free, ahead) * (backward ? -1 : 1);
-        const lead = corners(body).slice(...(backward ? [2, 4] : [0, 2]));
-        pen.lineWidth = this.pixel;
-        pen.strokeStyle = "#ff8a6538";
-        for (const corner of lead) line(pen, Array.from({ length: 9 }, (_, i) => carry(corner, pose(t, way * i / 8))));
-        if (one.free >= ahead || !points) continue;
-        const hit = firstHit(body, t, way, backward ? -1 : 1, points, margin);
-        if (hit) this.cross(pen, hit, "#ff8a65aa", 3);
+        const free = Math.min(one.free, ahead) * (backward ? -1 : 1);
+        const further = one.free >= ahead ? 0 : 60;
+        ways.push({ t, backward, ...(this.seen ? firstHit(body, t, free, this.seen, margin - 3, 30, further) : { way: free, point: -1 }) });
       }
     }
+    return ways;
   }
 
   points(pen) {
