@@ -463,10 +463,11 @@ class Avoid:
         if stage == _BACK_RIGHT or stage == _BACK_LEFT:
             if self._run_some(stage - _BACK_RIGHT + 2):
                 self._stage = stage + 1
+                self._nodes = 0
             return False
         if stage == _NODE_PICK:
-            self._pick_nodes()
-            self._stage = _EXPAND if self._nodes else _SETTLE
+            if self._pick_node():
+                self._stage = _EXPAND if self._nodes else _SETTLE
             return False
         if stage == _EXPAND:
             if self._expand():
@@ -605,33 +606,34 @@ class Avoid:
         self.ar = r
         self.free = self.free_of[variant][k]
 
-    def _pick_nodes(self):
-        """The best moves, no two of which end alike."""
+    def _pick_node(self):
+        """Add the best move to the nodes, and take out those that end like it. True when they are enough, or there is none."""
         env = self.envelopes
-        n = 0
-        while n < _NODES:
-            best = 65535
-            variant = 0
-            at = 0
-            for v in (0, 1, 2, 3):
-                a = _best(self._score[v], 0, env.count, 1)
-                if a != _NOTHING and self._score[v][a] < best:
-                    best = self._score[v][a]
-                    variant = v
-                    at = a
-            if best == 65535:
-                break
+        n = self._nodes
+        best = 65535
+        variant = 0
+        at = 0
+        for v in (0, 1, 2, 3):
+            a = _best(self._score[v], 0, env.count, 1)
+            if a != _NOTHING and self._score[v][a] < best:
+                best = self._score[v][a]
+                variant = v
+                at = a
+        if best < 65535:
             self._node_variant[n] = variant
             self._node_k[n] = at // LENGTHS
             self._node_length[n] = env.lengths[at % LENGTHS]
             self._node_score[n] = best
             _suppress(self._score[variant], env.ends, env.turns, env.count, at, env.look_ahead // 12, env.half_length)
             n += 1
-        self._nodes = n
+            self._nodes = n
+            if n < _NODES:
+                return False
         self._coarse = n
         self._node = 0
         self._best_value = 65535
         self._best_node = 0
+        return True
 
     def _refine(self):
         """More lengths of the best pair's first move: whether a long body gets round a corner depends on where its turn begins, to the centimetre."""

@@ -27,7 +27,7 @@ _N = const(30)
 _TURNS = const(12)
 _PLACES = const(900)
 _STATES = const(10800)
-_QUEUE = const(2048)
+_QUEUE = const(1536)  # more than the poses of the rim, of which it holds most at first
 _TRAIL_POINTS = const(120)
 
 
@@ -234,22 +234,35 @@ def _spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, 
                     c = cost[queue[i]] & 0x7FFF
                     if c < limit:
                         limit = c
-                    i = (i + 1) & 2047
+                    i += 1
+                    if i == _QUEUE:
+                        i = 0
                 limit += 96
                 i = head
-                j = (tail - 1) & 2047
+                j = tail - 1
+                if j < 0:
+                    j = _QUEUE - 1
                 while i != j:
                     at = queue[i]
                     if (cost[at] & 0x7FFF) <= limit:
-                        i = (i + 1) & 2047
+                        i += 1
+                        if i == _QUEUE:
+                            i = 0
                     else:
                         queue[i] = queue[j]
                         queue[j] = at
-                        j = (j - 1) & 2047
-                budget -= ((tail - head) & 2047) >> 3
+                        j -= 1
+                        if j < 0:
+                            j = _QUEUE - 1
+                i = tail - head
+                if i < 0:
+                    i += _QUEUE
+                budget -= i >> 3
                 at = queue[head]
                 here = cost[at] & 0x7FFF
-            head = (head + 1) & 2047
+            head += 1
+            if head == _QUEUE:
+                head = 0
             cost[at] = here
             row = at // 30
             i = at - row * 30 - 1
@@ -278,11 +291,15 @@ def _spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, 
                                 if old & 0x8000:
                                     cost[to] = c | 0x8000
                                 else:
-                                    following = (tail + 1) & 2047
+                                    following = tail + 1
+                                    if following == _QUEUE:
+                                        following = 0
                                     if following != head:
                                         cost[to] = c | 0x8000
                                         if c <= limit:
-                                            head = (head - 1) & 2047
+                                            head -= 1
+                                            if head < 0:
+                                                head = _QUEUE - 1
                                             queue[head] = to
                                         else:
                                             queue[tail] = to
@@ -326,11 +343,15 @@ def _spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, 
                         if old & 0x8000:
                             cost[to] = c | 0x8000
                         else:
-                            following = (tail + 1) & 2047
+                            following = tail + 1
+                            if following == _QUEUE:
+                                following = 0
                             if following != head:
                                 cost[to] = c | 0x8000
                                 if c <= limit:
-                                    head = (head - 1) & 2047
+                                    head -= 1
+                                    if head < 0:
+                                        head = _QUEUE - 1
                                     queue[head] = to
                                 else:
                                     queue[tail] = to

@@ -1,12 +1,14 @@
 """A piece of the heap kept in one piece, for what a person asks for now and then: the code for it is loaded then, and let go again."""
 
 import gc
+import sys
 
 from micropython import const
 
 from once import forget
 
-SIZE = const(3584)
+BOARD_SIZE = const(1792)
+SIZE = 2 * BOARD_SIZE if sys.maxsize >> 31 else BOARD_SIZE  # with words of 64 bits code takes twice as much
 LEAST = const(1536)
 _STEP = const(256)
 

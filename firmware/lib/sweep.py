@@ -44,8 +44,8 @@ def _table(size, of):
     return table
 
 
-# arc tangent of 0..1 in 1/1024, unit 1/65536 turn
-ATAN = _table(1025, lambda i: atan(i / 1024) * 32768 / pi)
+# arc tangent of 0..1 in 1/512, unit 1/65536 turn
+ATAN = _table(513, lambda i: atan(i / 512) * 32768 / pi)
 
 
 @micropython.viper
@@ -264,9 +264,9 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
                         if dy < 0:
                             ay = 0 - dy
                         if ax >= ay:
-                            phi = atan[(ay << 10) // ax]
+                            phi = atan[((ay << 9) + (ax >> 1)) // ax]
                         else:
-                            phi = 16384 - atan[(ax << 10) // ay]
+                            phi = 16384 - atan[((ax << 9) + (ay >> 1)) // ay]
                         if dx < 0:
                             phi = 32768 - phi
                         if dy < 0:

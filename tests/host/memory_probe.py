@@ -12,6 +12,8 @@ def _arrays(thing, seen, depth=0):
     if thing is None or kind in (int, str, bytes, bool, float, type) or depth > 8 or id(thing) in seen:
         return 0
     seen[id(thing)] = True
+    if kind.__name__ == "Room":
+        return sys.modules["room"].BOARD_SIZE
     if kind is array:
         return len(thing) * _SIZES[repr(thing)[7]]
     if kind is bytearray:
@@ -22,7 +24,7 @@ def _arrays(thing, seen, depth=0):
         inside = thing.values()
     else:
         attributes = getattr(thing, "__dict__", {})
-        inside = [attributes[name] for name in attributes if name not in ("sys", "machine", "lockstep", "time", "_uart", "room", "_room")]
+        inside = [attributes[name] for name in attributes if name not in ("sys", "machine", "lockstep", "time", "_uart")]
     return sum([_arrays(one, seen, depth + 1) for one in inside])
 
 
