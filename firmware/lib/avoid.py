@@ -475,6 +475,7 @@ class Avoid:
                 if self._node == self._nodes:
                     self._refine()
                 if self._node >= self._nodes:
+                    self._next = 0
                     self._stage = _SETTLE
             return False
         self._stage = _IDLE
@@ -655,6 +656,8 @@ class Avoid:
                 self._node_score[n] = self._node_score[best] + other - length
                 n += 1
         self._nodes = n
+        # To the side of the best pair only.
+        self._next = self._second_variant * _LEFT_SIDE
 
     def _end(self, k, length):
         """Where the body's centre comes to lie after `length` mm on candidate k: _end_x, _end_y (mm), and how far it turns, 0.1 deg."""
@@ -685,10 +688,9 @@ class Avoid:
         k = self._node_k[self._node]
         second = 1 if self._next >= _LEFT_SIDE else 0
         first = self._next - second * _LEFT_SIDE
+        fine = self._node >= self._coarse
         if first == 0:
-            if second:
-                mirror(self._nx, self._n2)
-            else:
+            if fine or not second:
                 turn = self._end(k, self._node_length[self._node])
                 x = self._end_x
                 y = self._end_y
@@ -703,10 +705,12 @@ class Avoid:
                 self._near2 = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.soft + BAND_MM)
                 self._n2 = n
                 self._grid(x, y, turn)
-                if self._node < self._coarse:
+                if not fine:
                     # The second move's score replaces the cost of the pose where the first ends.
                     job = self._ends_job
                     self._node_score[self._node] -= self.field.at(job[0] + self.field.corner_x, job[1] + self.field.corner_y, job[10])
+            if second:
+                mirror(self._nx, self._n2)
             self._left2 = drop_behind(self._nx, self._ny, self._near2, self._n2, env.half_length + env.soft, self._swing)
         n = self._left2
         a = env.af[k]
@@ -735,6 +739,9 @@ class Avoid:
         if last < env.count:
             self._next = second * _LEFT_SIDE + last
             return False
+        if fine:
+            self._next = second * _LEFT_SIDE
+            return True
         self._next = 0 if second else _LEFT_SIDE
         return second == 1
 
