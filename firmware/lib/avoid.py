@@ -16,21 +16,21 @@ from micropython import const
 
 import reasons
 from envelope import LENGTHS, Envelopes
-from field import Field, score_ends
+from field import Field
+from pairs import Pairs
+from steering import mode_of
 from surroundings import Surroundings
-from sweep import BAND_MM, Sweep, drop_behind, mirror, move, sort_near
-from trig import cos14, sin14
+from sweep import BAND_MM, Sweep, drop_behind, mirror
 from windows import NO_ZONE, RED, Windows
+from worth import NOTHING, Worth, best
 
 _POINTS = const(320)
-_NODES = const(6)
-_FINE = const(6)  # more lengths tried of the first move of the best pair
-_NOTHING = const(65535)
 _NO_POINT = const(32767)
-_LEFT_SIDE = const(1000)
 _SLICE = const(1800)  # candidate tests in one slice
 _OVERHEAD = const(76)  # what is done once for a candidate, its five ends valued above all, in tests
 _PATIENCE = const(5)  # times backing up on the same ground
+_BACKWARD = const(150)  # mm that a move backward costs for being one
+_DETOUR = const(130)  # mm by which a single move may fall short of what the field promises
 
 # Stages of a decision.
 _IDLE = const(0)
@@ -39,115 +39,15 @@ _LEFT = const(2)
 _CHOOSE = const(3)
 _BACK_RIGHT = const(4)
 _BACK_LEFT = const(5)
-_NODE_PICK = const(6)
+_PICK = const(6)
 _EXPAND = const(7)
 _SETTLE = const(8)
 _FIELD = const(9)
 
 
-@micropython.viper
-def _weigh(score: ptr16, free: ptr16, soft: ptr16, af: ptr16, ar: ptr16, lengths: ptr16, job: ptr32):
-    """Add what steering, change of steering, a closed way and narrow passing cost.
-
-    job: first, last, stride, sign (2 forward right, 0 forward left, 3, 1 backward), AF now + 1800, AR now + 1800, look-ahead,
-    steering weight, change weight (1/1024 mm per 0.1 deg), extra (mm)
-    """
-    k = job[0]
-    last = job[1]
-    stride = job[2]
-    variant = job[3]
-    af0 = job[4] - 1800
-    ar0 = job[5] - 1800
-    room = job[6]
-    w_steer = job[7]
-    w_change = job[8]
-    extra = job[9]
-    while k < last:
-        a = (af[k] ^ 0x8000) - 0x8000
-        r = (ar[k] ^ 0x8000) - 0x8000
-        cost = a
-        if a < 0:
-            cost = 0 - a
-        if r < 0:
-            cost -= r
-        else:
-            cost += r
-        cost = cost * w_steer
-        if variant == 1:
-            a = 0 - a
-            r = 0 - r
-        elif variant == 2:
-            t = a
-            a = 0 - r
-            r = 0 - t
-        elif variant == 3:
-            t = a
-            a = r
-            r = t
-        d = a - af0
-        if d < 0:
-            d = 0 - d
-        e = r - ar0
-        if e < 0:
-            e = 0 - e
-        cost = ((cost + (d + e) * w_change) >> 10) + extra
-        # A way that closes soon, or narrowly passed, is dear whatever part of it is driven: the rest comes next.
-        f = free[k]
-        if f < room:
-            cost += (room - f) >> 1
-        f = soft[k]
-        if f < room:
-            cost += (room - f) >> 2
-        i = 0
-        while i < 5:
-            v = score[k * 5 + i]
-            if v < 65000:
-                score[k * 5 + i] = v + cost
-            i += 1
-        k += stride
-
-
-@micropython.viper
-def _best(score: ptr16, first: int, last: int, stride: int) -> int:
-    """Index 5 k + i of the lowest score."""
-    best = 65534
-    pick = 65535
-    k = first
-    while k < last:
-        i = 0
-        while i < 5:
-            v = score[k * 5 + i]
-            if v < best:
-                best = v
-                pick = k * 5 + i
-            i += 1
-        k += stride
-    return pick
-
-
-@micropython.viper
-def _suppress(score: ptr16, ends: ptr16, turns: ptr16, count: int, at: int, radius: int, reach: int):
-    """Take out the travels that end within radius of where travel `at` ends; a turn counts as the way of the body's ends."""
-    x0 = ends[at * 2]
-    y0 = ends[at * 2 + 1]
-    a0 = turns[at] ^ 0x8000
-    i = 0
-    last = count * 5
-    while i < last:
-        if score[i] < 65535:
-            d = ends[i * 2] - x0
-            if d < 0:
-                d = 0 - d
-            e = ends[i * 2 + 1] - y0
-            if e < 0:
-                e = 0 - e
-            d += e
-            e = (turns[i] ^ 0x8000) - a0
-            if e < 0:
-                e = 0 - e
-            if d + (e * reach >> 9) < radius:
-                score[i] = 65535
-        i += 1
+def _in_a_slice(n):
+    """How many candidates are tested against n points in one slice, but for one."""
+    return _SLICE // (n + _OVERHEAD)
 
 
 class Avoid:
@@ -167,31 +67,17 @@ class Avoid:
         size = 2 * _POINTS
         self._x = array("H", bytes(size))
         self._y = array("H", bytes(size))
-        self._nx = self.points_x  # points as seen from a node: those for others are made anew at the end of the decision
-        self._ny = self.points_y
         count = env.count
         self.free_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
         self.soft_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
         self._block = array("H", bytes(2 * count))  # of what was swept last
         self._score = tuple(array("H", b"\xff" * (2 * count * LENGTHS)) for _ in range(4))
-        self._free2 = array("H", bytes(2 * count))
-        self._soft2 = array("H", bytes(2 * count))
-        self._score2 = self._score[0]  # done with by then
         self._sweep = Sweep(env)
-        self._ends_job = array("i", [0] * 11)
-        self._weigh_job = array("i", [0] * 10)
-        nodes = _NODES + _FINE
-        self._node_variant = bytearray(nodes)
-        self._node_k = bytearray(nodes)
-        self._node_length = array("H", bytes(2 * nodes))
-        self._node_score = array("i", bytes(4 * nodes))
-        self._nodes = 0
-        self._node = 0
+        self._worth = Worth(config, self.field, env)
+        self._pairs = Pairs(env, self._worth, self._sweep)
         self._n = 0
         self._near = 0
-        self._coarse = 0
-        self._end_x = self._end_y = 0
-        self._n2 = self._near2 = self._left2 = 0  # the same, as seen from the end of a first move
+        self._here = 0  # cost of leaving where the decision began
         self._stage = _FIELD
         self._next = 0  # of what a stage has cut into slices
         self._field_x = 0
@@ -215,13 +101,10 @@ class Avoid:
         self._second_k = 0
         self._second_variant = 0
         self._second_length = 0
-        self._best_value = 65535
-        self._best_node = 0
         self._limit = 0
         self._ready = 0
         self._watched = 0
         self._urgent = 0
-        self._at_x = self._at_y = self._at_heading = 0
         self._guarded = -1  # frame on which the present steering was looked at last
         self._followed = -1  # frame on which the plan was
         self.reset_decision()
@@ -248,8 +131,7 @@ class Avoid:
         self.look_ahead = self.envelopes.look_ahead
         self._swing = self.envelopes.half_width + self.envelopes.soft + self.envelopes.half_length // 2
         self.full_speed = c.motors_full_speed
-        self._steer_weight = c.avoid_steering_weight * self.look_ahead * 1024 // (100 * 1200)
-        self._change_weight = c.avoid_change_weight * self.look_ahead * 1024 // (100 * 1200)
+        self._worth.configure(c)
         self.windows.configure(c)
         self._changes = c.changes
 
@@ -328,12 +210,15 @@ class Avoid:
             first = env.astern_first
         elif variant < 2 and env.ahead_end <= first < env.arcs:
             first = env.arcs
-        last = first + _SLICE // (self._n + _OVERHEAD) + 1
+        last = first + _in_a_slice(self._n) + 1
         if variant < 2 and first < env.ahead_end:
             last = min(last, env.ahead_end)
         last = min(last, env.count)
         self._run(variant, first, last, 1, env.lengths[0])
-        self._worth(variant, self.free_of[variant], self.soft_of[variant], self._score[variant], first, last, 1, self.af, self.ar, 150 if variant & 2 else 0)
+        self._worth.score(
+            variant, self.free_of[variant], self.soft_of[variant], self._score[variant], first, last, 1, self.af, self.ar,
+            _BACKWARD if variant & 2 else 0,
+        )  # fmt: skip
         self._next = last
         if last < env.count:
             return False
@@ -357,54 +242,6 @@ class Avoid:
             mirror(self._x, n)
         if variant & 2:
             mirror(self._y, n)
-
-    # ---- worth
-
-    def _stand_here(self, odometry):
-        """The pose from which the decision that begins now looks at everything."""
-        self._at_x = odometry.x >> 5
-        self._at_y = odometry.y >> 5
-        self._at_heading = (odometry.heading + 50) // 100
-        self._grid(0, 0, 0)
-
-    def _grid(self, x, y, heading):
-        """Set the score job to a body pose: x, y (mm) and heading (0.1 deg) relative to the pose of the decision."""
-        field = self.field
-        job = self._ends_job
-        a = self._at_heading
-        s = sin14(a)
-        c = cos14(a)
-        wx = self._at_x + ((x * c + y * s) >> 11)
-        wy = self._at_y + ((y * c - x * s) >> 11)
-        a += heading
-        job[0] = ((wx - field.corner_x) & 0xFFFF ^ 0x8000) - 0x8000
-        job[1] = ((wy - field.corner_y) & 0xFFFF ^ 0x8000) - 0x8000
-        job[2] = sin14(a) + 16384
-        job[3] = cos14(a) + 16384
-        job[6] = field.cell
-        job[10] = a
-
-    def _worth(self, variant, free, soft, score, first, last, stride, af, ar, extra):
-        env = self.envelopes
-        job = self._ends_job
-        job[4] = variant & 1
-        job[5] = variant >> 1
-        job[7] = first
-        job[8] = last
-        job[9] = stride
-        score_ends(self.field.cost, env.ends, env.turns, free, env.lengths, score, job)
-        job = self._weigh_job
-        job[0] = first
-        job[1] = last
-        job[2] = stride
-        job[3] = variant
-        job[4] = af + 1800
-        job[5] = ar + 1800
-        job[6] = self.look_ahead * 3 // 7
-        job[7] = self._steer_weight
-        job[8] = self._change_weight
-        job[9] = extra
-        _weigh(score, free, soft, env.af, env.ar, env.lengths, job)
 
     # ---- the decision, slice by slice
 
@@ -435,7 +272,7 @@ class Avoid:
                 if self._follow(odometry):
                     return self._publish()
                 return False
-            self._stand_here(odometry)
+            self._here = self._worth.stand(odometry)
             self._stage = _RIGHT
             self._next = 0
             return False
@@ -463,20 +300,17 @@ class Avoid:
         if stage == _BACK_RIGHT or stage == _BACK_LEFT:
             if self._run_some(stage - _BACK_RIGHT + 2):
                 self._stage = stage + 1
-                self._nodes = 0
+                self._pairs.begin()
             return False
-        if stage == _NODE_PICK:
-            if self._pick_node():
-                self._stage = _EXPAND if self._nodes else _SETTLE
+        pairs = self._pairs
+        if stage == _PICK:
+            if pairs.pick(self._score):
+                self._stage = _EXPAND if pairs.count else _SETTLE
             return False
         if stage == _EXPAND:
-            if self._expand():
-                self._node += 1
-                if self._node == self._nodes:
-                    self._refine()
-                if self._node >= self._nodes:
-                    self._next = 0
-                    self._stage = _SETTLE
+            self.points_count = -1  # their arrays serve as room for points as seen from elsewhere
+            if pairs.expand(self._x, self._y, self._n, self.points_x, self.points_y, self._score[0], self.free_of, self._swing, _in_a_slice):
+                self._stage = _SETTLE
             return False
         self._stage = _IDLE
         self._travel256 = odometry.travel256
@@ -528,54 +362,24 @@ class Avoid:
         """What is left of the move of the plan that is being driven, mm."""
         return (((self._until - odometry.travel256) & 0x3FFFFFF ^ 0x2000000) - 0x2000000) >> 8
 
-    def _against(self, variant, at):
-        """What it costs, mm, that the nose does not point where the way leads on, after travel `at` from the pose of the score job.
-
-        The cost of leaving should fall ahead of the nose; how much it does not is counted.
-        """
-        env = self.envelopes
-        field = self.field
-        job = self._ends_job
-        x = env.ends[2 * at] - 8192
-        y = env.ends[2 * at + 1] - 8192
-        turn = env.turns[at]
-        if variant & 1:
-            x = -x
-            turn = -turn
-        if variant & 2:
-            y = -y
-            turn = -turn
-        s = job[2] - 16384
-        c = job[3] - 16384
-        x, y = job[0] + field.corner_x + ((x * c + y * s) >> 11), job[1] + field.corner_y + ((y * c - x * s) >> 11)
-        heading = job[10] + turn
-        ahead = env.half_length >> 1
-        x1 = x + (ahead * sin14(heading) >> 11)
-        y1 = y + (ahead * cos14(heading) >> 11)
-        loss = field.at(x1, y1, heading) - field.at(x, y, heading) + (ahead >> 1)
-        if loss < 0:
-            return 0
-        return loss if loss < 2 * ahead else 2 * ahead
-
     def _choose_one(self):
         """Take the best single move if it gets on well."""
         score0 = self._score[0]
         score1 = self._score[1]
         count = self.envelopes.count
-        a = _best(score0, 0, count, 1)
-        b = _best(score1, 0, count, 1)
-        value_a = score0[a] if a != _NOTHING else 65535
-        value_b = score1[b] if b != _NOTHING else 65535
-        here = self.field.at(self._at_x, self._at_y, self._at_heading)
+        a = best(score0, 0, count, 1)
+        b = best(score1, 0, count, 1)
+        value_a = score0[a] if a != NOTHING else NOTHING
+        value_b = score1[b] if b != NOTHING else NOTHING
         variant = 0
-        # Which of the two sides, is told by where the nose points afterwards: the field knows no front from rear.
-        against_a = self._against(0, a) if a != _NOTHING else 0
-        against_b = self._against(1, b) if b != _NOTHING else 0
+        # Which of the two sides, is told by where the nose points afterwards.
+        against_a = self._worth.against(0, a) if a != NOTHING else 0
+        against_b = self._worth.against(1, b) if b != NOTHING else 0
         if value_b + against_b < value_a + against_a or (value_b + against_b == value_a + against_a and self._variant == 1):
             variant = 1
             a = b
             value_a = value_b
-        if a == _NOTHING or value_a > here + 130:
+        if a == NOTHING or value_a > self._here + _DETOUR:
             return False
         k = a // LENGTHS
         if self.free_of[variant][k] < self.config.avoid_accept:
@@ -594,179 +398,31 @@ class Avoid:
     def _take(self, variant, k):
         self._variant = variant
         self._k = k
-        env = self.envelopes
-        a = env.af[k]
-        r = env.ar[k]
-        if variant == 1:
-            a, r = -a, -r
-        elif variant == 2:
-            a, r = -r, -a
-        elif variant == 3:
-            a, r = r, a
-        self.af = a
-        self.ar = r
+        self.af = self.envelopes.af_of(variant, k)
+        self.ar = self.envelopes.ar_of(variant, k)
         self.free = self.free_of[variant][k]
-
-    def _pick_node(self):
-        """Add the best move to the nodes, and take out those that end like it. True when they are enough, or there is none."""
-        env = self.envelopes
-        n = self._nodes
-        best = 65535
-        variant = 0
-        at = 0
-        for v in (0, 1, 2, 3):
-            a = _best(self._score[v], 0, env.count, 1)
-            if a != _NOTHING and self._score[v][a] < best:
-                best = self._score[v][a]
-                variant = v
-                at = a
-        if best < 65535:
-            self._node_variant[n] = variant
-            self._node_k[n] = at // LENGTHS
-            self._node_length[n] = env.lengths[at % LENGTHS]
-            self._node_score[n] = best
-            _suppress(self._score[variant], env.ends, env.turns, env.count, at, env.look_ahead // 12, env.half_length)
-            n += 1
-            self._nodes = n
-            if n < _NODES:
-                return False
-        self._coarse = n
-        self._node = 0
-        self._best_value = 65535
-        self._best_node = 0
-        return True
-
-    def _refine(self):
-        """More lengths of the best pair's first move: whether a long body gets round a corner depends on where its turn begins, to the centimetre."""
-        if self._best_value == 65535 or self._nodes > self._coarse:
-            return
-        best = self._best_node
-        v = self._node_variant[best]
-        k = self._node_k[best]
-        length = self._node_length[best]
-        free = self.free_of[v][k]
-        n = self._nodes
-        unit = self.envelopes.half_length // 25
-        for d in (-3, -2, -1, 1, 2, 3):
-            other = length + d * unit
-            if 2 * unit < other <= free:
-                self._node_variant[n] = v
-                self._node_k[n] = k
-                self._node_length[n] = other
-                self._node_score[n] = self._node_score[best] + other - length
-                n += 1
-        self._nodes = n
-        # To the side of the best pair only.
-        self._next = self._second_variant * _LEFT_SIDE
-
-    def _end(self, k, length):
-        """Where the body's centre comes to lie after `length` mm on candidate k: _end_x, _end_y (mm), and how far it turns, 0.1 deg."""
-        env = self.envelopes
-        if k >= env.arcs:
-            b = (k - env.arcs) * 8
-            self._end_x = env.strips[b] * length >> 14
-            self._end_y = env.strips[b + 1] * length >> 14
-            return 0
-        b = k * 13
-        c = env.consts
-        xc = c[b] - 8192
-        yc = c[b + 1] - 8192
-        turn = length * 36000 // c[b + 9]
-        s = sin14((turn + 5) // 10)
-        o = cos14((turn + 5) // 10)
-        self._end_x = xc - ((xc * o + yc * s) >> 14)
-        self._end_y = yc + ((xc * s - yc * o) >> 14)
-        return (turn + 5) // 10
-
-    def _expand(self):
-        """Second moves from where a node ends, right and left, a slice of candidates at a time. True after the last.
-
-        Every other point and candidate does: the second move is looked at again, with all of them, before it is driven.
-        """
-        env = self.envelopes
-        v = self._node_variant[self._node]
-        k = self._node_k[self._node]
-        second = 1 if self._next >= _LEFT_SIDE else 0
-        first = self._next - second * _LEFT_SIDE
-        fine = self._node >= self._coarse
-        if first == 0:
-            if fine or not second:
-                turn = self._end(k, self._node_length[self._node])
-                x = self._end_x
-                y = self._end_y
-                if v & 1:
-                    x = -x
-                    turn = -turn
-                if v & 2:
-                    y = -y
-                    turn = -turn
-                self.points_count = -1  # for now there are none for others
-                n = move(self._x, self._y, self._n, x, y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, self._nx, self._ny, 2)
-                self._near2 = sort_near(self._nx, self._ny, n, env.half_width, env.half_length, env.soft + BAND_MM)
-                self._n2 = n
-                self._grid(x, y, turn)
-                if not fine:
-                    # The second move's score replaces the cost of the pose where the first ends.
-                    job = self._ends_job
-                    self._node_score[self._node] -= self.field.at(job[0] + self.field.corner_x, job[1] + self.field.corner_y, job[10])
-            if second:
-                mirror(self._nx, self._n2)
-            self._left2 = drop_behind(self._nx, self._ny, self._near2, self._n2, env.half_length + env.soft, self._swing)
-        n = self._left2
-        a = env.af[k]
-        r = env.ar[k]
-        if v == 1:
-            a, r = -a, -r
-        elif v == 2:
-            a, r = -r, -a
-        elif v == 3:
-            a, r = r, a
-        if env.ahead_end <= first < env.arcs:
-            first = env.arcs
-        stride = 2 if first < env.arcs else 1
-        last = min(first + stride * (_SLICE // (n + _OVERHEAD) + 1), env.ahead_end if stride == 2 else env.count)
-        self._sweep.run(self._nx, self._ny, n, self._near2, first, last, stride, env.lengths[1], self._free2, self._soft2, self._block)
-        self._worth(second, self._free2, self._soft2, self._score2, first, last, stride, a, r, 60)
-        b = _best(self._score2, first, last, stride)
-        if b != _NOTHING:
-            value = self._node_score[self._node] + self._score2[b] + self._against(second, b)
-            if value < self._best_value:
-                self._best_value = value
-                self._best_node = self._node
-                self._second_variant = second
-                self._second_k = b // LENGTHS
-                self._second_length = env.lengths[b % LENGTHS]
-        if last < env.count:
-            self._next = second * _LEFT_SIDE + last
-            return False
-        if fine:
-            self._next = second * _LEFT_SIDE
-            return True
-        self._next = 0 if second else _LEFT_SIDE
-        return second == 1
 
     def _settle(self, odometry):
         """Drive the best pair of moves, or the least bad single one, or stand."""
         env = self.envelopes
+        pairs = self._pairs
         if self._reversals >= _PATIENCE and self._leave():
             return
-        if self._best_value < 65535:
-            v = self._node_variant[self._best_node]
-            self._take(v, self._node_k[self._best_node])
-            length = self._node_length[self._best_node]
+        if pairs.count:
+            at = pairs.chosen  # the best single one, where no pair was found
+            v = pairs.variant[at]
+            self._take(v, pairs.candidate[at])
             self._plan = 1
-            self._until = odometry.travel256 + (length << 8)
-            self._limit = length
-            self.why = reasons.TURNED if v & 2 else reasons.LOOKING
-            return
-        if self._nodes:
-            v = self._node_variant[0]
-            self._take(v, self._node_k[0])
-            self._plan = 1
-            self._second_k = -1
-            self._limit = self._node_length[0]
+            self._limit = pairs.length[at]
             self._until = odometry.travel256 + (self._limit << 8)
-            self.why = reasons.BACK if v & 2 else reasons.BEND
+            if pairs.found:
+                self._second_k = pairs.second_candidate
+                self._second_variant = pairs.second_variant
+                self._second_length = pairs.second_length
+                self.why = reasons.TURNED if v & 2 else reasons.LOOKING
+            else:
+                self._second_k = -1
+                self.why = reasons.BACK if v & 2 else reasons.BEND
             return
         self._plan = 0
         # Nothing of the shortest travel: whatever gives most way, if any.
@@ -889,7 +545,7 @@ class Avoid:
         w = self._urgent
         self.window = w
         self.zone = self.windows.zone()
-        self.mode = _mode(self.af, self.ar)
+        self.mode = mode_of(self.af, self.ar)
         self.decisions += 1
         n = self._n
         _unbias(self._x, self.points_x, n)
@@ -902,16 +558,3 @@ def _unbias(p: ptr16, q: ptr16, n: int):
     while i < n:
         q[i] = (p[i] - 8192) & 0xFFFF
         i += 1
-
-
-def _mode(af, ar):
-    """Steering mode of spec section 3."""
-    if af == ar:
-        return 7 if af == 0 else 5
-    if af == 0:
-        return 2
-    if ar == 0:
-        return 3
-    if af == 900 and ar == -900 or af == -900 and ar == 900:
-        return 4
-    return 1 if af * ar < 0 else 6

@@ -15,9 +15,12 @@ Coordinates: body frame, mm + 8192 (never negative). Lengths: travel of the fast
 from micropython import const
 
 from once import forget
+from trig import cos14, sin14
 
 BIAS = const(8192)
 LENGTHS = const(5)
+ARC_STRIDE = const(13)  # words of `consts` for an arc, of `strips` for a strip: envelope_arcs.py, envelope_strips.py
+STRIP_STRIDE = const(8)
 
 
 class Envelopes:
@@ -31,15 +34,57 @@ class Envelopes:
                                x, y, mm + 8192, and how far it has turned clockwise, 0.1 deg
     consts, table, seconds     of the arcs: see envelope_arcs.py; strips of the others: see envelope_strips.py
     half_width, half_length, look_ahead, margin, soft    mm
+    end_x, end_y, end_turn     what travel() found
+
+    A variant is how a candidate is mirrored: bit 0 left, bit 1 backward.
     """
 
     def __init__(self, config):
+        self.end_x = self.end_y = self.end_turn = 0
         from envelope_tables import prepare
 
         prepare(self, config)
         del prepare
         forget("envelope_tables")
         self._fill(config.avoid_margin, config.avoid_soft_margin, config.windows_look_ahead)
+
+    def af_of(self, variant, k):
+        """AF of a candidate in a variant, 0.1 deg: backward, front and rear change places."""
+        if variant & 2:
+            return self.ar[k] if variant & 1 else -self.ar[k]
+        return -self.af[k] if variant & 1 else self.af[k]
+
+    def ar_of(self, variant, k):
+        """AR, likewise."""
+        if variant & 2:
+            return self.af[k] if variant & 1 else -self.af[k]
+        return -self.ar[k] if variant & 1 else self.ar[k]
+
+    def travel(self, variant, k, length):
+        """Where `length` mm on a candidate lead to: end_x, end_y (mm) and end_turn (0.1 deg, clockwise) of the body's centre."""
+        if k >= self.arcs:
+            b = (k - self.arcs) * STRIP_STRIDE
+            x = self.strips[b] * length >> 14
+            y = self.strips[b + 1] * length >> 14
+            turn = 0
+        else:
+            b = k * ARC_STRIDE
+            xc = self.consts[b] - BIAS
+            yc = self.consts[b + 1] - BIAS
+            turn = (length * 3600 + (self.consts[b + 9] >> 1)) // self.consts[b + 9]
+            s = sin14(turn)
+            c = cos14(turn)
+            x = xc - ((xc * c + yc * s) >> 14)
+            y = yc + ((xc * s - yc * c) >> 14)
+        if variant & 1:
+            x = -x
+            turn = -turn
+        if variant & 2:
+            y = -y
+            turn = -turn
+        self.end_x = x
+        self.end_y = y
+        self.end_turn = turn
 
     def outdated(self, config):
         """Whether margin, soft margin or look-ahead of the config are others than the tables were made with."""

@@ -365,7 +365,7 @@ def _spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, 
 
 
 @micropython.viper
-def _sample(cost: ptr16, x: int, y: int, heading: int, cell: int) -> int:
+def sample(cost: ptr16, x: int, y: int, heading: int, cell: int) -> int:
     """Cost at a pose, mm: trilinear between grid poses. x, y from the grid's corner (1/8 mm), heading in 0.1 deg, any int."""
     half = cell >> 1
     x -= half
@@ -421,47 +421,6 @@ def _sample(cost: ptr16, x: int, y: int, heading: int, cell: int) -> int:
         total += v * wt
         a += 1
     return ((total >> 8) * cell) >> 11  # a cost unit is cell / 128 mm
-
-
-@micropython.viper
-def score_ends(cost, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, score: ptr16, job: ptr32):
-    """What each travel of each candidate is worth: score[5 k + i] = travel + cost of the pose where it ends, mm.
-
-    65535 where the travel is longer than the candidate's free length. job: x, y of the body in the grid (1/8 mm), sine,
-    cosine (2**14, + 2**14), flip x, flip y (0/1), cell, first, last, stride, heading (0.1 deg)
-    """
-    x0 = job[0]
-    y0 = job[1]
-    s = job[2] - 16384
-    c = job[3] - 16384
-    flip_x = job[4]
-    flip_y = job[5]
-    cell = job[6]
-    k = job[7]
-    last = job[8]
-    stride = job[9]
-    heading = job[10]
-    while k < last:
-        i = 0
-        while i < 5:
-            value = 65535
-            at = k * 5 + i
-            if lengths[i] <= free[k]:
-                px = ends[2 * at] - 8192
-                py = ends[2 * at + 1] - 8192
-                turn = (turns[at] ^ 0x8000) - 0x8000
-                if flip_x:
-                    px = 0 - px
-                    turn = 0 - turn
-                if flip_y:
-                    py = 0 - py
-                    turn = 0 - turn
-                value = lengths[i] + int(_sample(cost, x0 + ((px * c + py * s) >> 11), y0 + ((py * c - px * s) >> 11), heading + turn, cell))
-                if value > 65534:
-                    value = 65534
-            score[at] = value
-            i += 1
-        k += stride
 
 
 class Field:
@@ -576,4 +535,4 @@ class Field:
         """Cost of a pose on the floor (1/8 mm mod 2**16, 0.1 deg), mm, relative to others of this field."""
         u = ((x - self.corner_x) & 0xFFFF ^ 0x8000) - 0x8000
         v = ((y - self.corner_y) & 0xFFFF ^ 0x8000) - 0x8000
-        return _sample(self.cost, u, v, heading, self.cell)
+        return sample(self.cost, u, v, heading, self.cell)

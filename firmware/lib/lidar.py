@@ -173,7 +173,9 @@ def _take(store: ptr8, state: ptr32) -> int:
             while i < end:
                 value = store[i]
                 total += value
-                crc = (crc >> 8) ^ table[(crc ^ value) & 255]
+                crc = crc ^ value
+                crc = (crc >> 4) ^ table[crc & 15]
+                crc = (crc >> 4) ^ table[crc & 15]
                 i += 1
             if crc == check:
                 passed = _RULE_CRC

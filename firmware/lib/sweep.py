@@ -46,6 +46,7 @@ def _table(size, of):
 
 # arc tangent of 0..1 in 1/512, unit 1/65536 turn
 ATAN = _table(513, lambda i: atan(i / 512) * 32768 / pi)
+del _table
 
 
 @micropython.viper

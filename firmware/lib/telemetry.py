@@ -172,12 +172,6 @@ class Encoder:
         data[7] = length >> 8
 
 
-def frame(kind, payload, sequence=0):
-    """One whole frame as bytes; for the laptop and for tests, it allocates."""
-    body = struct.pack("<BBHH", VERSION, kind, sequence & 0xFFFF, len(payload)) + payload
-    return SYNC + body + struct.pack("<H", crc16(body, 0, len(body)))
-
-
 class Decoder:
     """Finds the frames in a stream of bytes, whatever lies between them.
 
@@ -252,18 +246,3 @@ class Decoder:
         self._head += 1
         if self._stray is not None:
             self._stray(byte)
-
-
-def decode(data):
-    """[(type, sequence, payload)] of all whole frames in data; for the laptop and for tests, it allocates."""
-    decoder = Decoder()
-    found = []
-    at = 0
-    while True:
-        while decoder.take():
-            found.append((decoder.kind, decoder.sequence, bytes(decoder.data[decoder.start : decoder.end])))
-        count = min(decoder.room(), len(data) - at)
-        if count <= 0:
-            return found
-        decoder.feed(data, at, count)
-        at += count

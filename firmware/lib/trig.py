@@ -29,6 +29,7 @@ def _sine_table():
 
 
 SIN = _sine_table()
+del _sine_table
 
 
 @micropython.viper

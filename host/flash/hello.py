@@ -23,8 +23,9 @@ def find(said: bytes) -> str | None:
     """Version in the first hello (firmware/lib/telemetry.py) among these bytes; None if there is none yet."""
     compat.install()
     import telemetry
+    import whole_frames
 
-    for kind, _, payload in telemetry.decode(said):
+    for kind, _, payload in whole_frames.decode(said):
         if kind == telemetry.HELLO:
             return json.loads(payload[struct.calcsize(telemetry.HELLO_FORMAT) :])["firmware"]
     return None

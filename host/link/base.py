@@ -5,7 +5,7 @@ import threading
 import time
 
 from . import messages
-from .messages import telemetry
+from .messages import telemetry, whole_frames
 
 QUEUE = 4000  # messages; beyond that nobody is reading, and the oldest go
 
@@ -109,7 +109,7 @@ class Link:
             self._send(data)
 
     def _frame(self, kind: int, payload: bytes) -> bytes:
-        return telemetry.frame(kind, payload, self._sequence_out)
+        return whole_frames.frame(kind, payload, self._sequence_out)
 
     def _send(self, data: bytes) -> None:
         raise NotImplementedError

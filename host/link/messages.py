@@ -34,6 +34,7 @@ compat.install()
 
 import schema  # noqa: E402
 import telemetry  # noqa: E402
+import whole_frames  # noqa: E402
 
 STATES = ("stopped", "auto", "manual")
 STATUSES = ("ok", "refused")

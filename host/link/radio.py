@@ -8,7 +8,7 @@ import time
 from host.flash import places
 
 from .base import Link, LinkError
-from .messages import telemetry
+from .messages import telemetry, whole_frames
 from .messages import compat  # noqa: F401  makes firmware/lib importable
 
 import auth  # noqa: E402  isort: skip
@@ -107,9 +107,9 @@ class RadioLink(Link):
     def _frame(self, kind: int, payload: bytes) -> bytes:
         if self._key is None:
             # Without the session nothing can be signed; a greeting that is not makes the robot tell it.
-            return telemetry.frame(kind, payload) if kind == telemetry.GREET and not self._session else b""
+            return whole_frames.frame(kind, payload) if kind == telemetry.GREET and not self._session else b""
         head = struct.pack("<BBHH", telemetry.VERSION, kind, self._sequence_out & 0xFFFF, len(payload) + auth.TAG)
-        return telemetry.frame(kind, payload + auth.tag(self._key, self._session, head + payload), self._sequence_out)
+        return whole_frames.frame(kind, payload + auth.tag(self._key, self._session, head + payload), self._sequence_out)
 
     def _send(self, data: bytes) -> None:
         if not data:

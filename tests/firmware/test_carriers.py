@@ -7,7 +7,8 @@ import micropython
 import telemetry
 from carriers import SerialLine
 from radio import Datagrams, start_radio
-from telemetry import Encoder, decode, frame
+from telemetry import Encoder
+from whole_frames import decode, frame
 
 MICROPYTHON = sys.implementation.name == "micropython"
 

@@ -10,7 +10,8 @@ from auth import tag
 from health import STOP_BUTTON
 from link import Link
 from room import Room
-from telemetry import Decoder, copy, decode, frame
+from telemetry import Decoder, copy
+from whole_frames import decode, frame
 
 SESSION = b"sessions"
 KEY = b"k" * 32

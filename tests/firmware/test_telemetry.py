@@ -4,7 +4,8 @@ import struct
 
 import micropython
 import telemetry
-from telemetry import Decoder, Encoder, decode, frame
+from telemetry import Decoder, Encoder
+from whole_frames import decode, frame
 
 
 def test_a_frame_comes_back():

@@ -14,15 +14,16 @@ from host.recording import Decision, Header, Pose, Stream, Writer
 
 compat.install()
 import telemetry  # noqa: E402
+import whole_frames  # noqa: E402
 
 REASONS = ("waiting", "way ahead is free")
 ROBOT = json.dumps({"robot": {"width": 250, "length": 600}, "lidar": {"x": 10, "y": 20}})
 POINTS = 38
 TELEMETRY = [
-    telemetry.frame(telemetry.POINTS, struct.pack("<IH2h2hBB", 5, 2, -125, 1000, 300, 0, 2, 4)),
-    telemetry.frame(telemetry.POSE, struct.pack(telemetry.POSE_FORMAT, 5, 256 * 100, 256 * 200, 90_000)),
-    telemetry.frame(telemetry.LOG, b"\x02" + "zu heiß".encode()),
-    telemetry.frame(telemetry.DECISION, struct.pack(telemetry.DECISION_FORMAT, 7, 5, 1, 1, 0, 0, 99, 0, 255, 0, 32767, 32767, 0, 0)),
+    whole_frames.frame(telemetry.POINTS, struct.pack("<IH2h2hBB", 5, 2, -125, 1000, 300, 0, 2, 4)),
+    whole_frames.frame(telemetry.POSE, struct.pack(telemetry.POSE_FORMAT, 5, 256 * 100, 256 * 200, 90_000)),
+    whole_frames.frame(telemetry.LOG, b"\x02" + "zu heiß".encode()),
+    whole_frames.frame(telemetry.DECISION, struct.pack(telemetry.DECISION_FORMAT, 7, 5, 1, 1, 0, 0, 99, 0, 255, 0, 32767, 32767, 0, 0)),
 ]
 
 

@@ -23,8 +23,9 @@ from host.flash.errors import FlashError
 
 compat.install()
 import telemetry  # noqa: E402
+import whole_frames  # noqa: E402
 
-HELLO = b"starting\r\n" + telemetry.frame(telemetry.HELLO, bytes(12) + b'{"firmware": "0.1.0", "robot": "twin"}')
+HELLO = b"starting\r\n" + whole_frames.frame(telemetry.HELLO, bytes(12) + b'{"firmware": "0.1.0", "robot": "twin"}')
 IDENTITY = MAC.hex()
 MINE = b'{"robot": {"length": 610}, "avoid": {"margin": 17}}'
 DEFAULT = b'{"robot": {"length": 600}, "avoid": {"margin": 12}, "wifi": {"ssid": ""}}'

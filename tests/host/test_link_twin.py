@@ -6,7 +6,7 @@ import struct
 import pytest
 
 from host.link import messages
-from host.link.messages import telemetry
+from host.link.messages import telemetry, whole_frames
 from host.twin import Watch, run
 
 
@@ -31,7 +31,7 @@ class Hand(Watch):
         while self.plan and self.plan[0][0] <= self.now:
             _, kind, payload = self.plan.pop(0)
             self.sent += 1
-            data += telemetry.frame(kind, payload, self.sent)
+            data += whole_frames.frame(kind, payload, self.sent)
         return data
 
     def serial(self, data):

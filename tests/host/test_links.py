@@ -19,7 +19,7 @@ from host import recording
 from host.link import AddressError, LinkError, connect
 from host.link import address as addresses
 from host.link import messages, radio
-from host.link.messages import telemetry
+from host.link.messages import telemetry, whole_frames
 from host.recording import Stream
 
 import auth  # isort: skip
@@ -30,7 +30,7 @@ HELLO = b'{"robot": "gapseeker-0000", "board": "00ff", "firmware": "0.1.0", "ful
 
 
 def hello(counter=0, session=SESSION):
-    return telemetry.frame(telemetry.HELLO, struct.pack(telemetry.HELLO_FORMAT, session, counter) + HELLO)
+    return whole_frames.frame(telemetry.HELLO, struct.pack(telemetry.HELLO_FORMAT, session, counter) + HELLO)
 
 
 @pytest.mark.parametrize(
@@ -136,12 +136,12 @@ def line():
 def test_over_a_serial_line(line):
     ours, address = line
     with connect(address) as link:
-        assert telemetry.decode(os.read(ours, 100))[0][0] == telemetry.GREET
+        assert whole_frames.decode(os.read(ours, 100))[0][0] == telemetry.GREET
         os.write(ours, b"MPY: soft reboot\r\n" + hello())
         assert link.wait_for("text")["text"] == "MPY: soft reboot"
         assert link.wait_for("hello")["robot"] == "gapseeker-0000"
         link.tune("avoid.margin", 20)
-        kind, _, payload = telemetry.decode(os.read(ours, 100))[0]
+        kind, _, payload = whole_frames.decode(os.read(ours, 100))[0]
         assert (kind, payload[4:]) == (telemetry.TUNE, b"avoid.margin=20")
 
 
@@ -167,7 +167,7 @@ class RobotSocket:
 
     def receive(self):
         data, self.peer = self.socket.recvfrom(2048)
-        ((kind, sequence, payload),) = telemetry.decode(data)
+        ((kind, sequence, payload),) = whole_frames.decode(data)
         signed = struct.pack("<BBHH", telemetry.VERSION, kind, sequence, len(payload)) + payload[:-8]
         genuine = payload[-8:] == auth.tag(KEY, SESSION, signed)
         return kind, struct.unpack_from("<I", payload)[0], genuine
@@ -192,7 +192,7 @@ def test_over_the_network_commands_are_signed_and_counted(robot):
         while (received := robot.receive())[0] != telemetry.DRIVE:
             pass
         assert received[1] > counter and received[2]
-        robot.socket.sendto(telemetry.frame(telemetry.LOG, b"\0hi") + bytes(20), robot.peer)
+        robot.socket.sendto(whole_frames.frame(telemetry.LOG, b"\0hi") + bytes(20), robot.peer)
         assert link.wait_for("log")["text"] == "hi"
 
 
@@ -223,7 +223,7 @@ def recorded(tmp_path):
     header = recording.Header(firmware="1", robot="", source="twin:z?width=600&seed=2", reasons=("one", "two"))
     with recording.Writer(path, header) as writer:
         for k in range(30):
-            data = telemetry.frame(telemetry.DECISION, struct.pack(telemetry.DECISION_FORMAT, k, k * 100_000, 1, 4, 0, 0, 108, 4, 0, 700, 32767, 0, 1, 5))
+            data = whole_frames.frame(telemetry.DECISION, struct.pack(telemetry.DECISION_FORMAT, k, k * 100_000, 1, 4, 0, 0, 108, 4, 0, 700, 32767, 0, 1, 5))
             writer.write(Stream.TELEMETRY, k * 100_000, data[:20])
             writer.write(Stream.TELEMETRY, k * 100_000 + 1000, data[20:])
             writer.write(Stream.POSE, k * 100_000, recording.Pose(k, 2 * k, 3).pack())
@@ -259,7 +259,7 @@ def test_a_link_counts_what_was_lost(line):
     with connect(address) as link:
         os.write(ours, hello())
         link.wait_for("hello")
-        os.write(ours, telemetry.frame(telemetry.LOG, b"\0a", 1) + telemetry.frame(telemetry.LOG, b"\0b", 5))
+        os.write(ours, whole_frames.frame(telemetry.LOG, b"\0a", 1) + whole_frames.frame(telemetry.LOG, b"\0b", 5))
         link.wait_for("log"), link.wait_for("log")
         assert link.lost == 3
 

@@ -15,7 +15,7 @@ import pytest
 
 from host import recording
 from host.link.base import Link
-from host.link.messages import telemetry
+from host.link.messages import telemetry, whole_frames
 from host.monitor import text
 from host.monitor.server import Server
 from host.monitor.station import Station
@@ -30,7 +30,7 @@ class Bench(Link):
         self.sent = []
 
     def _send(self, data):
-        ((kind, _, payload),) = telemetry.decode(data)
+        ((kind, _, payload),) = whole_frames.decode(data)
         self.sent.append((kind, payload))
 
     def drives(self):
@@ -40,10 +40,10 @@ class Bench(Link):
 
 def decision(number, state=1):
     packed = struct.pack(telemetry.DECISION_FORMAT, number, number * 100_000, state, 1, -300, 100, 108, 2, 3, 512, 125, 90, 1, 9000)
-    return telemetry.frame(telemetry.DECISION, packed, number)
+    return whole_frames.frame(telemetry.DECISION, packed, number)
 
 
-NAMES = telemetry.frame(telemetry.NAMES, b'{"reasons": ["waiting", "steering through the gap"], "faults": ["well", "lidar is silent"]}')
+NAMES = whole_frames.frame(telemetry.NAMES, b'{"reasons": ["waiting", "steering through the gap"], "faults": ["well", "lidar is silent"]}')
 
 
 @pytest.fixture
@@ -212,7 +212,7 @@ def test_what_goes_over_the_link_is_recorded(server, station):
     reader = recording.Reader(path)
     assert reader.header.reasons == ("waiting", "steering through the gap") and reader.header.clock == "host"
     assert [record.data for record in reader.stream(Stream.TELEMETRY)] == [decision(5)]
-    assert [telemetry.decode(record.data)[0][0] for record in reader.stream(Stream.COMMAND)] == [telemetry.DRIVE]
+    assert [whole_frames.decode(record.data)[0][0] for record in reader.stream(Stream.COMMAND)] == [telemetry.DRIVE]
     assert reader.cut is None
 
 
