@@ -14,7 +14,7 @@ from . import blocks, machine_code
 
 HERE = Path(__file__).resolve().parent
 HEAP = {"time": "192m", "count": "192m", "heap": "3m"}  # no collection of garbage falls into what is measured
-KINDS = ("", "poll", "place", "guard", "work", "update", "command", "points", "paper", "plain", "feed", "turn", "stop")
+KINDS = ("", "poll", "place", "guard", "work", "update", "command", "points", "paper", "plain", "feed", "turn", "stop", "start")
 LIMIT_S = 300
 
 

@@ -15,7 +15,7 @@ WORDS = {
     "act": "steering of all wheels, register bursts of three chips",
     "reaction": "last byte that shows something new to first register byte",
 }
-POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN, STOP = (KINDS.index(name) for name in KINDS[1:])
+POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN, STOP, START = (KINDS.index(name) for name in KINDS[1:])
 
 
 @dataclass
@@ -36,6 +36,7 @@ class Samples:
     plain: list = field(default_factory=list)
     plain_of: list = field(default_factory=list)
     points: list = field(default_factory=list)
+    start: list = field(default_factory=list)  # from the start of main.py to the first decision
 
     def extend(self, other):
         """Add those of another tape."""
@@ -47,7 +48,7 @@ def samples(log, modelled):
     """Samples of one log. modelled: its values are instructions on the ESP32, and the bus counts; else us here, and it does not."""
     out = Samples()
     scale = costs.us(1) if modelled else 1.0
-    frame = whole = command = 0.0
+    frame = whole = command = started = 0.0
     last = 0.0  # the decision made last, with all its slices
     period, before, turn, waited = 1e4, None, 0.0, 0.0
     pending = None  # what a reaction has taken until now, and when the guard saw it
@@ -72,6 +73,8 @@ def samples(log, modelled):
             out.decision.append(us)
             whole += us
             if extra:
+                if not out.whole:
+                    out.start.append(started + now)
                 out.whole.append(whole)
                 last, whole = whole, 0.0
         elif kind == COMMAND:
@@ -100,6 +103,8 @@ def samples(log, modelled):
             out.plain_of.append(last)
         elif kind == TURN:
             turn = extra * scale
+        elif kind == START:
+            started = us
     return out
 
 
@@ -122,6 +127,7 @@ def figures(here, modelled, heap):
             "worst_ms_esp32": _round(max(modelled.whole) / 1000), "median_ms_esp32": _round(np.median(modelled.whole) / 1000),
             "worst_us_here": _round(max(here.whole)), "median_us_here": _round(np.median(here.whole)),
         },
+        "start_ms_esp32": _round(max(modelled.start) / 1000),
         "heap_bytes_per_loop": max(one["worst"] for one in heap),
         "buffers_bytes_esp32": max(one["buffers"] for one in heap),
         "ratio_to_paper": _ratio(here.paper, here.paper_of),

@@ -6,7 +6,7 @@ from array import array
 import lockstep
 import log
 import micropython
-from log import COMMAND, FEED, GUARD, KINDS, PAPER, PLACE, PLAIN, POINTS, POLL, STOP, TURN, UPDATE, WORK
+from log import COMMAND, FEED, GUARD, KINDS, PAPER, PLACE, PLAIN, POINTS, POLL, START, STOP, TURN, UPDATE, WORK
 
 
 class Watch:
@@ -172,6 +172,7 @@ class Counter(Watch):
         self.worst_counters = [array("i", bytes(4 * self.size)) for _ in range(KINDS)]
         self.kinds = {"poll": POLL, "frame": PLACE, "guard": GUARD, "work": WORK, "command": COMMAND, "update": UPDATE, "advance": FEED, "step": TURN, "stop": STOP}
         super().__init__(robot)
+        log.write(START, _sum(COUNTERS, self.costs, self.size), 0)  # all that came before the loop
 
     def begin(self):
         """What has been counted since the enclosing call began or went on is its own."""
