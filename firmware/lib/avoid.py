@@ -20,7 +20,7 @@ from field import Field
 from pairs import Pairs
 from steering import mode_of
 from surroundings import Surroundings
-from sweep import BAND_MM, Sweep, drop_behind, mirror
+from sweep import BAND_MM, Sweep, drop_behind, mirror, sort_near
 from windows import NO_ZONE, RED, Windows
 from worth import NOTHING, Worth, best
 
@@ -191,10 +191,17 @@ class Avoid:
     def _look(self, odometry):
         """The points as the body sees them now, those near the outline first, and the window of each."""
         env = self.envelopes
-        n = self.points.view(odometry, self._x, self._y, self.look_ahead + env.half_length)
+        n = self.points.view(odometry.x >> 5, odometry.y >> 5, (odometry.heading + 50) // 100, self._x, self._y, self.look_ahead + env.half_length)
         self._urgent = self.windows.sort(self._x, self._y, n, env.soft + BAND_MM)
         self._near = self.windows.near
         self._n = n
+
+    def _look_again(self):
+        """The points as seen from where the decision began, in the order of the memory: which of them serve for a pair of moves must not hang on the side."""
+        env = self.envelopes
+        worth = self._worth
+        self._n = self.points.view(worth.x, worth.y, worth.heading, self._x, self._y, self.look_ahead + env.half_length)
+        self._near = sort_near(self._x, self._y, self._n, env.half_width, env.half_length, env.soft + BAND_MM)
 
     def _current_free(self):
         k = self._k
@@ -300,7 +307,9 @@ class Avoid:
         if stage == _BACK_RIGHT or stage == _BACK_LEFT:
             if self._run_some(stage - _BACK_RIGHT + 2):
                 self._stage = stage + 1
-                self._pairs.begin()
+                if stage == _BACK_LEFT:
+                    self._look_again()
+                    self._pairs.begin()
             return False
         pairs = self._pairs
         if stage == _PICK:

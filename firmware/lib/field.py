@@ -197,7 +197,7 @@ def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32
                 at = (t * 30 + y) * 30 + x
                 if ((rows[t * 30 + y] >> x) & 1) == 0 and cost[at] == 32767:
                     # 14 cells ahead least, behind 3 times the way there more
-                    c = ((23 << 10) - (x - 15) * ux - (y - 15) * uy) * 24 >> 10
+                    c = ((46 << 10) - (x + x - 29) * ux - (y + y - 29) * uy) * 12 >> 10
                     if c < 0:
                         c = 0
                     cost[at] = c | 0x8000
@@ -381,35 +381,24 @@ def sample(cost: ptr16, x: int, y: int, heading: int, cell: int) -> int:
         y = limit
     i = x // cell
     j = y // cell
-    fx = ((x - i * cell) << 4) // cell
-    fy = ((y - j * cell) << 4) // cell
+    # Weights in sixteenths, rounded: a mirrored field gives the mirrored cost.
+    fx = (((x - i * cell) << 4) + half) // cell
+    fy = (((y - j * cell) << 4) + half) // cell
     heading = heading % 1800
     t = heading // 150
-    ft = ((heading - t * 150) << 4) // 150
+    ft = (((heading - t * 150) << 4) + 75) // 150
     least = 32767
-    a = 0
-    while a < 8:
-        tt = t + (a >> 2)
-        if tt == 12:
-            tt = 0
-        v = cost[(tt * 30 + j + ((a >> 1) & 1)) * 30 + i + (a & 1)]
-        if v < least:
-            least = v
-        a += 1
-    if least == 32767:
-        return 20000
     total = 0
+    closed = 0
     a = 0
     while a < 8:
-        tt = t + (a >> 2)
-        if tt == 12:
-            tt = 0
-        v = cost[(tt * 30 + j + ((a >> 1) & 1)) * 30 + i + (a & 1)]
-        if v == 32767:
-            v = least + 48  # closed: a little dearer than the best pose round about
+        tt = t
         wt = 16 - ft
         if a >> 2:
             wt = ft
+            tt += 1
+            if tt == 12:
+                tt = 0
         if (a >> 1) & 1:
             wt = wt * fy
         else:
@@ -418,8 +407,18 @@ def sample(cost: ptr16, x: int, y: int, heading: int, cell: int) -> int:
             wt = wt * fx
         else:
             wt = wt * (16 - fx)
-        total += v * wt
+        if wt:
+            v = cost[(tt * 30 + j + ((a >> 1) & 1)) * 30 + i + (a & 1)]
+            if v == 32767:
+                closed += wt
+            else:
+                total += v * wt
+                if v < least:
+                    least = v
         a += 1
+    if least == 32767:
+        return 20000
+    total += (least + 48) * closed  # closed: a little dearer than the best pose round about
     return ((total >> 8) * cell) >> 11  # a cost unit is cell / 128 mm
 
 

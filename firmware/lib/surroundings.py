@@ -510,8 +510,9 @@ class Surroundings:
         _place(bearings, distances, n, state, fx, fy, cell, frame, travel, index)
         _forget(bearings, distances, n, state, fx, fy, cell, frame, travel, index)
 
-    def view(self, odometry, bx, by, reach):
-        """Fill bx, by (array 'H', mm + 8192, body frame) with the points within reach mm; returns their number."""
-        a = (odometry.heading + 50) // 100
-        return _view(self._state, self._fx, self._fy, (odometry.x >> 5) & 0xFFFF, (odometry.y >> 5) & 0xFFFF,
-                     sin14(a), cos14(a), reach, bx, by)
+    def view(self, x, y, heading, bx, by, reach):
+        """Fill bx, by (array 'H', mm + 8192, body frame) with the points within reach mm; returns their number.
+
+        x, y, heading: the body, 1/8 mm and 0.1 deg.
+        """
+        return _view(self._state, self._fx, self._fy, x & 0xFFFF, y & 0xFFFF, sin14(heading), cos14(heading), reach, bx, by)

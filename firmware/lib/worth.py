@@ -48,7 +48,7 @@ def _ends(cost, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, score: p
                 if flip_y:
                     py = 0 - py
                     turn = 0 - turn
-                value = lengths[i] + int(sample(cost, x0 + ((px * c + py * s) >> 11), y0 + ((py * c - px * s) >> 11), heading + turn, cell))
+                value = lengths[i] + int(sample(cost, x0 + ((px * c + py * s + 1024) >> 11), y0 + ((py * c - px * s + 1024) >> 11), heading + turn, cell))
                 if value > 65534:
                     value = 65534
             score[at] = value
@@ -164,6 +164,7 @@ def suppress(score: ptr16, ends: ptr16, turns: ptr16, count: int, at: int, radiu
 class Worth:
     """Scores moves from one pose: the body's when the decision began, or the end of a first move.
 
+    x, y, heading: the body's when the decision began, 1/8 mm and 0.1 deg.
     scores: array('H') of 5 for each candidate, mm, lower is better, NOTHING where the way is not free as far.
     """
 
@@ -172,7 +173,7 @@ class Worth:
         self._envelopes = envelopes
         self._job = array("i", [0] * 11)
         self._weights = array("i", [0] * 10)
-        self._x = self._y = self._heading = 0
+        self.x = self.y = self.heading = 0
         self.configure(config)
 
     def configure(self, config):
@@ -185,20 +186,20 @@ class Worth:
 
     def stand(self, odometry):
         """Score from where the body is now. Returns its cost of leaving, mm."""
-        self._x = odometry.x >> 5
-        self._y = odometry.y >> 5
-        self._heading = (odometry.heading + 50) // 100
+        self.x = odometry.x >> 5
+        self.y = odometry.y >> 5
+        self.heading = (odometry.heading + 50) // 100
         self.stand_at(0, 0, 0)
-        return self._field.at(self._x, self._y, self._heading)
+        return self._field.at(self.x, self.y, self.heading)
 
     def stand_at(self, x, y, heading):
         """Score from a pose x, y (mm) and heading (0.1 deg) as seen from where stand() was called. Returns its cost of leaving, mm."""
         field = self._field
         job = self._job
-        a = self._heading
+        a = self.heading
         s = sin14(a)
         c = cos14(a)
-        x, y = self._x + ((x * c + y * s) >> 11), self._y + ((y * c - x * s) >> 11)
+        x, y = self.x + ((x * c + y * s + 1024) >> 11), self.y + ((y * c - x * s + 1024) >> 11)
         a += heading
         job[0] = ((x - field.corner_x) & 0xFFFF ^ 0x8000) - 0x8000
         job[1] = ((y - field.corner_y) & 0xFFFF ^ 0x8000) - 0x8000
@@ -250,8 +251,8 @@ class Worth:
             turn = -turn
         s = job[2] - 16384
         c = job[3] - 16384
-        x, y = job[0] + field.corner_x + ((x * c + y * s) >> 11), job[1] + field.corner_y + ((y * c - x * s) >> 11)
+        x, y = job[0] + field.corner_x + ((x * c + y * s + 1024) >> 11), job[1] + field.corner_y + ((y * c - x * s + 1024) >> 11)
         heading = job[10] + turn
         ahead = env.half_length >> 1
-        loss = field.at(x + (ahead * sin14(heading) >> 11), y + (ahead * cos14(heading) >> 11), heading) - field.at(x, y, heading) + (ahead >> 1)
+        loss = field.at(x + (ahead * sin14(heading) + 1024 >> 11), y + (ahead * cos14(heading) + 1024 >> 11), heading) - field.at(x, y, heading) + (ahead >> 1)
         return min(max(loss, 0), 2 * ahead)

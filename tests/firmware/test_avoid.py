@@ -50,11 +50,12 @@ def test_wall_ahead_and_open_on_the_right():
 
 
 def test_mirrored_points_give_the_mirrored_decision():
-    points = _walls(*_OPEN_ON_THE_RIGHT)
-    right = _decision(points)
-    left = _decision([(-x, y) for x, y in points])
-    assert (left.v > 90) == (right.v > 90)
-    assert (left.af > left.ar) != (right.af > right.ar) or right.af == right.ar and left.af == -right.af
+    # A single move, a pair of moves, a way back; no wall on the edge of a cell of the grid, which belongs to one of its sides only.
+    for width, ahead, corner in ((222, 498, -187), (302, 468, -203), (302, 367, -187)):
+        points = _walls((-width, -803, -width, ahead), (-width, ahead, 903, ahead), (width, -803, width, corner), (width, corner, 903, corner))
+        right = _decision(points)
+        left = _decision([(-x, y) for x, y in points])
+        assert (left.af, left.ar, left.v, left.why) == (-right.af, -right.ar, right.v, right.why), (width, ahead, corner)
 
 
 def test_closed_all_round_it_stands():

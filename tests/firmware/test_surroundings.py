@@ -31,7 +31,7 @@ class _Memory:
         """[(x, y)] in the body frame."""
         x = array("H", bytes(2 * _MOST))
         y = array("H", bytes(2 * _MOST))
-        n = self.points.view(self.odometry, x, y, 1000)
+        n = self.points.view(self.odometry.x >> 5, self.odometry.y >> 5, 0, x, y, 1000)
         return [(x[i] - 8192, y[i] - 8192) for i in range(n)]
 
 
