@@ -32,8 +32,8 @@ def fill(config, values):
     limits = []
     for key, _, default, low, high, unit, _ in schema.LIVE:
         value = given.pop(key, default)
-        if value is None and default is None:  # windows.look_ahead
-            value = config.robot_length * 3 // 2
+        if value is None and default is None:
+            value = _by_length(key, config.robot_length)
         setattr(config, attribute(key), number(key, value, low, high, unit, 1, False))
         live.append(_shared(config, attribute(key)))
         limits += low, high
@@ -66,6 +66,13 @@ def _default(config, row):
         return None
     step = 2 if kind == "pairs" else 1
     return array("h", [k * step for k in range(_length(config, kind))])
+
+
+def _by_length(key, length):
+    """Default of a live parameter that goes with the body: what is known of the surroundings gets coarser with it, and its ends swing farther."""
+    if key == "windows.look_ahead":
+        return length * 3 // 2
+    return max(length * 3 // 200, 9) if key == "avoid.margin" else max(length // 20, 30)
 
 
 def _length(config, kind):

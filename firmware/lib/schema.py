@@ -17,7 +17,7 @@ signs       likewise, each 1 or -1
 pairs       list, one value for each axle
 
 A default of None: for axles.first half the sum of the spacings, for channels 0, 1, 2, ... (wheels) or 0, 2, 4, ... (pairs), for a pin none,
-for windows.look_ahead one and a half body lengths.
+for the planning window and the margins a share of the body's length (config_checks.py).
 The attribute of `Config` is the key with a dot turned into an underscore: lidar.baud is config.lidar_baud.
 """
 
@@ -101,8 +101,8 @@ LIVE = (
     ("windows.blue", "int", 45, 1, 400, "mm", "caution margin round the body"),
     ("windows.look_ahead", "int", None, 100, 4500, "mm", "length of the planning window, null for 1.5 body lengths; the robot stands a moment to take it over"),
     ("windows.side", "int", 300, 0, 1500, "mm", "width of the planning window beside the body"),
-    ("avoid.margin", "int", 9, 0, 100, "mm", "clearance kept to every point; the robot stands a moment to take it over"),
-    ("avoid.soft_margin", "int", 30, 0, 200, "mm", "clearance preferred; the robot stands a moment to take it over"),
+    ("avoid.margin", "int", None, 0, 100, "mm", "clearance kept to every point, null for 1.5 % of the body's length but 9 mm at least; the robot stands a moment to take it over"),
+    ("avoid.soft_margin", "int", None, 0, 200, "mm", "clearance preferred, null for 5 % of the length but 30 mm at least; the robot stands a moment to take it over"),
     ("avoid.accept", "int", 150, 20, 1000, "mm", "shortest free way worth driving"),
     ("avoid.steering_weight", "int", 15, 0, 100, "%", "what full steering costs, of a free look-ahead"),
     ("avoid.change_weight", "int", 5, 0, 100, "%", "what a full change of steering costs, of a free look-ahead"),

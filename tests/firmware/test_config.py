@@ -187,3 +187,9 @@ def test_the_planning_window_goes_with_the_body():
     assert Config().windows_look_ahead == 900
     assert Config({"robot": {"length": 1200}, "windows": {"look_ahead": None}}).windows_look_ahead == 1800
     assert Config({"robot": {"length": 1200}, "windows": {"look_ahead": 700}}).windows_look_ahead == 700
+
+
+def test_the_margins_go_with_the_body():
+    for length, margin, soft in ((400, 9, 30), (600, 9, 30), (1200, 18, 60)):
+        config = Config({"robot": {"length": length}, "axles": {"spacings": [100, 100]}})
+        assert (config.avoid_margin, config.avoid_soft_margin) == (margin, soft), length
