@@ -71,11 +71,16 @@ class Envelopes:
             b = k * ARC_STRIDE
             xc = self.consts[b] - BIAS
             yc = self.consts[b + 1] - BIAS
-            turn = (length * 3600 + (self.consts[b + 9] >> 1)) // self.consts[b + 9]
+            # In 0.01 deg, 183 / 2**20 of a radian: the centre may be metres away.
+            turn = (length * 36000 + (self.consts[b + 9] >> 1)) // self.consts[b + 9]
+            rest = turn % 10
+            turn //= 10
             s = sin14(turn)
             c = cos14(turn)
-            x = xc - ((xc * c + yc * s) >> 14)
-            y = yc + ((xc * s - yc * c) >> 14)
+            s, c = s + (c * rest * 183 >> 20), c - (s * rest * 183 >> 20)
+            x = xc - ((xc * c + yc * s + 8192) >> 14)
+            y = yc + ((xc * s - yc * c + 8192) >> 14)
+            turn += rest > 4
         if variant & 1:
             x = -x
             turn = -turn

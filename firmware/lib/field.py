@@ -1,16 +1,16 @@
 """The way on: what it costs the long body, from every pose round it, to leave the neighbourhood.
 
 The envelope test knows what the body can do in the next half second; it does not know where to go. The field does: over
-a grid of poses (30 x 30 places of 1/12 body length, 12 orientations of 15 degrees) the cost of the cheapest way out is
-spread inwards from the rim. Poses in which the outline covers a point are closed; places the robot has covered already
-are dear, dearer each time, so that it goes on rather than back and comes back only when nothing else is left. Rim
-places in the direction the robot has been travelling are the cheapest exits.
+a grid of poses (28 x 28 places of 1/12 body length and a closed ring round them, 12 orientations of 15 degrees) the cost
+of the cheapest way out is spread inwards from the rim. Poses in which the outline covers a point are closed; places the
+robot has covered already are dear, dearer each time, so that it goes on rather than back and comes back only when nothing
+else is left. Rim places in the direction the robot has been travelling are the cheapest exits.
 
 The body is the same seen from both ends, so half a turn of orientations is enough. The grid is coarse: the outline is
 taken a little small, and the exact test of every move is the envelope's business.
 
 The spreading is a label-correcting search (a queue of poses whose cost fell), cut into slices so that no call takes
-long; the finished field is copied to bytes, relative to the robot's own cost, and used while the next one is made.
+long. While a field is being made there is none to ask: there is room for one only.
 Lengths on the floor are 1/8 mm modulo 2**16; costs are sixteenths of a cell.
 """
 
