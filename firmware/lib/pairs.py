@@ -14,6 +14,7 @@ from worth import NOTHING, best, suppress
 _COARSE = const(6)  # first moves
 _FINE = const(6)  # more lengths of the best one
 _LEFT_SIDE = const(1000)
+_SLACK = const(60)  # mm by which a second move may end better than the field promised at its beginning
 _TO_A_SIDE = const(60)  # mm that a second move costs for being one
 
 
@@ -123,8 +124,11 @@ class Pairs:
         if not fine and not second:
             self._next = _LEFT_SIDE
             return False
-        self._at = at + 1
-        if self._at == self._coarse and self.found:
+        at += 1
+        if not fine and at < self._coarse and self.found and self._score[at] > self._least + _SLACK:
+            self.count = self._coarse = at  # no better pair begins with this one, or with those behind it
+        self._at = at
+        if at == self._coarse and self.found:
             self._refine(free_of)
         # Fine ones to the side of the best pair only.
         self._next = self.second_variant * _LEFT_SIDE if self._at >= self._coarse else 0
