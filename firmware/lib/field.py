@@ -22,7 +22,7 @@ from micropython import const
 from once import forget
 
 _POINTS = const(37)  # closed in one slice
-_POSES = const(260)  # spread in one slice
+_POSES = const(245)  # spread in one slice
 _N = const(30)
 _TURNS = const(12)
 _PLACES = const(900)
