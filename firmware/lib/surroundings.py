@@ -40,7 +40,7 @@ _LATEST_US = const(60_000)
 _COUNT = const(0)
 _FRAME = const(1)
 _TRAVEL = const(2)  # rolled, in units of 2**_UNIT mm, modulo 2**8
-_X0 = const(3)  # the body at the frame's first point and at its last: 1/8 mm modulo 2**16
+_X0 = const(3)  # the lidar at the frame's first point and at its last: 1/8 mm modulo 2**16
 _Y0 = const(4)
 _X1 = const(5)
 _Y1 = const(6)
@@ -53,7 +53,9 @@ _REACH = const(12)  # longest range taken, quarter mm
 _KEEP = const(13)  # such units rolled before an unseen point is given up
 _UNIT = const(14)
 _COARSE = const(15)  # farther than this, 1/8 mm, a cell is four
-_STATES = const(16)
+_LIDAR_X = const(16)  # the lidar right of the body's centre and ahead of it, mm + 4096
+_LIDAR_Y = const(17)
+_STATES = const(18)
 
 
 _SQUARES = array("i")  # of ranges a quarter apart, mm**2
@@ -67,7 +69,7 @@ while _range < 8000:  # the memory of the longest body reaches 5300 mm
 
 @micropython.viper
 def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int, turn: int, travel: int, late: int, span: int):
-    """Begin a frame: where the body was at its first and last point.
+    """Begin a frame: where the lidar was at its first and last point.
 
     x, y, heading: as of now, 1/256 mm and 0.001 deg. step_x, step_y, turn: its motion in 10 ms, in the body frame.
     travel: rolled until now, 1/256 mm. late, span: time since the last point, and from the first to it, 16 us.
@@ -102,11 +104,16 @@ def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int
     wy = (step_y * c - step_x * s) >> 14
     x -= wx * late // _STEP
     y -= wy * late // _STEP
-    state[_X1] = (x >> 5) & 0xFFFF
-    state[_Y1] = (y >> 5) & 0xFFFF
-    state[_X0] = ((x - wx * span // _STEP) >> 5) & 0xFFFF
-    state[_Y0] = ((y - wy * span // _STEP) >> 5) & 0xFFFF
     turned = turn * span // _STEP
+    # From the body's centre to the lidar on the floor; at the first point it was turned by so much less, 18 / 2**20 of a radian a unit.
+    px = state[_LIDAR_X] - 4096
+    py = state[_LIDAR_Y] - 4096
+    lx = (px * c + py * s) >> 11
+    ly = (py * c - px * s) >> 11
+    state[_X1] = ((x >> 5) + lx) & 0xFFFF
+    state[_Y1] = ((y >> 5) + ly) & 0xFFFF
+    state[_X0] = (((x - wx * span // _STEP) >> 5) + lx - (ly * turned * 18 >> 20)) & 0xFFFF
+    state[_Y0] = (((y - wy * span // _STEP) >> 5) + ly + (lx * turned * 18 >> 20)) & 0xFFFF
     first = (heading - turn * late // _STEP - turned) // 10
     while first < 0:
         first += 36000
@@ -479,6 +486,8 @@ class Surroundings:
             state[_UNIT] += 1
         state[_KEEP] = self.keep >> state[_UNIT]
         state[_COARSE] = length * 8
+        state[_LIDAR_X] = config.lidar_x + 4096
+        state[_LIDAR_Y] = config.lidar_y + 4096
 
     @property
     def count(self):

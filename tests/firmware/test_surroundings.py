@@ -12,8 +12,8 @@ _MOST = 320
 class _Memory:
     """A robot that stands where it is put, and what it remembers."""
 
-    def __init__(self):
-        self.points = Surroundings(Config())
+    def __init__(self, values=None):
+        self.points = Surroundings(Config(values))
         self.sight = Sight()
         self.odometry = Still()
 
@@ -31,7 +31,7 @@ class _Memory:
         """[(x, y)] in the body frame."""
         x = array("H", bytes(2 * _MOST))
         y = array("H", bytes(2 * _MOST))
-        n = self.points.view(self.odometry.x >> 5, self.odometry.y >> 5, 0, x, y, 1000)
+        n = self.points.view(self.odometry.x >> 5, self.odometry.y >> 5, self.odometry.heading // 100, x, y, 1000)
         return [(x[i] - 8192, y[i] - 8192) for i in range(n)]
 
 
@@ -47,6 +47,19 @@ def test_points_lie_where_they_were_measured():
     assert points
     for x, y in points:
         assert abs(x) < 60 and 490 < y < 505, points
+
+
+def test_a_lidar_that_sits_elsewhere():
+    for heading in (0, 90_000, 200_000):
+        memory = _Memory({"lidar": {"x": -40, "y": 120}})
+        memory.odometry.heading = heading
+        memory.look(_post(500))
+        assert memory.seen()
+        for x, y in memory.seen():
+            assert abs(x + 40) < 60 and 610 < y < 625, (heading, x, y)
+        memory.look(_post(900, 900), 14)  # and sees past them from there, but for one that may lie between the last beam of a turn and the first
+        left = [(x, y) for x, y in memory.seen() if (x + 40) * (x + 40) + (y - 120) * (y - 120) < 800 * 800]
+        assert len(left) <= 1, (heading, left)
 
 
 def test_what_comes_too_near_to_be_seen_is_remembered():
