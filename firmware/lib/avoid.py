@@ -77,6 +77,7 @@ class Avoid:
         self._pairs = Pairs(env, self._worth, self._sweep)
         self._n = 0
         self._near = 0
+        self._kinds = ((0, env.arcs), (env.arcs, count))  # turns; straight and crab
         self._here = 0  # cost of leaving where the decision began
         self._stage = _FIELD
         self._next = 0  # of what a stage has cut into slices
@@ -373,32 +374,32 @@ class Avoid:
 
     def _choose_one(self):
         """Take the best single move if it gets on well."""
-        score0 = self._score[0]
-        score1 = self._score[1]
-        count = self.envelopes.count
-        a = best(score0, 0, count, 1)
-        b = best(score1, 0, count, 1)
-        value_a = score0[a] if a != NOTHING else NOTHING
-        value_b = score1[b] if b != NOTHING else NOTHING
-        variant = 0
-        # Which of the two sides, is told by where the nose points afterwards.
-        against_a = self._worth.against(0, a) if a != NOTHING else 0
-        against_b = self._worth.against(1, b) if b != NOTHING else 0
-        if value_b + against_b < value_a + against_a or (value_b + against_b == value_a + against_a and self._variant == 1):
-            variant = 1
-            a = b
-            value_a = value_b
-        if a == NOTHING or value_a > self._here + _DETOUR:
+        env = self.envelopes
+        least = value = NOTHING
+        number = variant = 0
+        # The best turn and the best crab to each side; which of them, is told by where the nose points afterwards as well.
+        for v in (0, 1):
+            scores = self._score[v]
+            for first, last in self._kinds:
+                one = best(scores, first, last, 1)
+                if one != NOTHING:
+                    total = scores[one] + self._worth.against(v, one)
+                    if total < least or (total == least and v == self._variant):
+                        least = total
+                        value = scores[one]
+                        number = one
+                        variant = v
+        if value == NOTHING or value > self._here + _DETOUR:
             return False
-        k = a // LENGTHS
+        k = number // LENGTHS
         if self.free_of[variant][k] < self.config.avoid_accept:
             return False
         self._plan = 0
         self._take(variant, k)
         self._limit = self.look_ahead
-        if k == self.envelopes.arcs:
+        if k == env.arcs:
             self.why = reasons.ON
-        elif k > self.envelopes.arcs:
+        elif k > env.arcs:
             self.why = reasons.CRAB
         else:
             self.why = reasons.BEND
