@@ -13,6 +13,7 @@ _FRAMES = 64
 _EACH = 80
 _MOST = 448
 _NO_POINT = 32767
+LOOK_AHEAD = 700  # mm: serves these best
 
 
 class Scanning:
@@ -33,7 +34,7 @@ class Scanning:
         self._n = bytearray(_FRAMES)
         self._slot = 0
         self._due = 2 * self._frames
-        self._reach = config.windows_look_ahead + config.robot_length // 2
+        self._reach = LOOK_AHEAD + config.robot_length // 2
         self.af = 0
         self.ar = 0
         self.v = 90

@@ -5,7 +5,7 @@ Once a revolution, from that revolution's points alone. Where the papers are sil
 
 import paper
 import reasons
-from scanning import Scanning
+from scanning import LOOK_AHEAD, Scanning
 from windows import BLUE, RED
 
 _BESIDE = 150  # mm: an obstacle so near beside the body bars the way to that side
@@ -19,6 +19,7 @@ class Avoid(Scanning):
     def __init__(self, config):
         super().__init__(config)
         self.planner = paper.Planner(config)
+        self.planner.look_ahead = LOOK_AHEAD
 
     def decide(self):
         """Emergency moves first, then the yellow window."""
