@@ -145,9 +145,8 @@ def _parameter(payload):
         wheel = int(key.rpartition(".")[2])
         known = {"default": 0, "unit": "deg", "meaning": f"trim of axle {wheel // 2 + 1} {('left', 'right')[wheel % 2]}"}
     else:
-        known = dict(_KNOWN.get(key, {"default": None, "unit": "", "meaning": key}))
-        if known["default"] is None:  # it goes with the body
-            known["default"] = told["value"]
+        # A default of None goes with the body: only the robot knows it.
+        known = _KNOWN.get(key, {"default": told["value"], "unit": "", "meaning": key})
     return {"type": "parameter", **known, **told}
 
 

@@ -24,7 +24,8 @@ export class Tune {
     const parent = parameter.key.startsWith("servos.trims.") ? this.trims : this.box;
     const row = this.rows[parameter.key] || (this.rows[parameter.key] = this.build(parameter, parent));
     row.set(parameter.value);
-    row.box.classList.toggle("changed", parameter.value !== parameter.default);
+    // Where the default goes with the body, what was there first stands for it.
+    row.box.classList.toggle("changed", parameter.value !== (parameter.default ?? row.first));
   }
 
   build({ key, low, high, unit, meaning, value }, parent) {
@@ -55,7 +56,7 @@ export class Tune {
     const set = (value) => {
       if (document.activeElement !== number && document.activeElement !== slider) number.value = slider.value = value;
     };
-    return { box, set };
+    return { box, set, first: value };
   }
 
   // A slider makes dozens of values a second; the robot gets the last of each moment, so that a wheel turns as its trim is dragged.
