@@ -88,7 +88,6 @@ class Avoid:
         self._renewing = False
         self._decided_travel = 0
         self._decided_frame = 0
-        self._travel256 = 0
         self._anchor_x = 0
         self._anchor_y = 0
         self._anchor_heading = 0
@@ -323,7 +322,6 @@ class Avoid:
                 self._stage = _SETTLE
             return False
         self._stage = _IDLE
-        self._travel256 = odometry.travel256
         self._settle(odometry)
         self._count_reversals(odometry, self._variant > 1)
         # Anew for this one: sorting for other candidates has moved the points about.
@@ -416,7 +414,7 @@ class Avoid:
         """Drive the best pair of moves, or the least bad single one, or stand."""
         env = self.envelopes
         pairs = self._pairs
-        if self._reversals >= _PATIENCE and self._leave():
+        if self._reversals >= _PATIENCE and self._leave(odometry):
             return
         if pairs.count:
             at = pairs.chosen  # the best single one, where no pair was found
@@ -453,7 +451,7 @@ class Avoid:
             self.free = 0
             self.why = reasons.BOXED
 
-    def _leave(self):
+    def _leave(self, odometry):
         """To and fro on the same ground has led nowhere: go back or on as far as anything goes, and look from there."""
         env = self.envelopes
         best = env.lengths[2]
@@ -472,7 +470,7 @@ class Avoid:
         self._second_k = -1
         self._plan = 1
         self._limit = min(best - env.lengths[0], env.lengths[3])
-        self._until = self._travel256 + (self._limit << 8)
+        self._until = odometry.travel256 + (self._limit << 8)
         self._reversals = 0
         self.why = reasons.AGAIN
         return True

@@ -25,13 +25,11 @@ _HALF_LENGTH = const(5)
 _MARGIN = const(6)
 _CAP = const(7)
 _FLOOR = const(8)
-_TESTS = const(9)
-_HITS = const(10)
-_FIRST_STRIP = const(11)
-_STRIDE = const(12)
-_SOFT = const(13)
-_BAND = const(14)
-_JOB_FIELDS = const(15)
+_FIRST_STRIP = const(9)
+_STRIDE = const(10)
+_SOFT = const(11)
+_BAND = const(12)
+_JOB_FIELDS = const(13)
 
 BAND_MM = const(12)  # points nearer to the outline than this beyond the soft margin are looked at one by one
 
@@ -144,11 +142,9 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
     margin = job[6]
     cap = job[7]
     floor = job[8]
-    stride = job[12]
-    soft_margin = job[13]
-    band = job[14] << 3
-    tests = job[9]
-    hits = job[10]
+    stride = job[10]
+    soft_margin = job[11]
+    band = job[12] << 3
     while k < last:
         base = k * 13
         xc = consts[base]
@@ -214,7 +210,6 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
                 if allowed * ref < soft_length * rate:
                     soft_length = allowed * ref // rate
             i += 1
-        tests += near
         limit = (length << 16) // turn_mm
         if limit > consts[base + 8]:
             limit = consts[base + 8]
@@ -257,7 +252,6 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
                         i -= 1
                         continue
                     if ray_c * dy >= ray_s * dx:
-                        hits += 1
                         ax = dx
                         if dx < 0:
                             ax = 0 - dx
@@ -303,13 +297,10 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
                     i -= 1
                 i -= 1
             last_block = block
-            tests += n
         free[k] = (limit * turn_mm) >> 16
         soft[k] = (soft_limit * turn_mm) >> 16
         blocker[k] = block
         k += stride
-    job[9] = tests
-    job[10] = hits
 
 
 @micropython.viper
@@ -322,10 +313,10 @@ def _sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, 
     half_width = job[4]
     half_length = job[5]
     margin = job[6]
-    first = job[11]
-    stride = job[12]
-    soft_margin = job[13]
-    band = job[14] << 3
+    first = job[9]
+    stride = job[10]
+    soft_margin = job[11]
+    band = job[12] << 3
     while k < last:
         base = (k - first) * 8
         s = strips[base]
@@ -405,7 +396,6 @@ def _sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, 
         soft[k] = soft_length >> 4
         blocker[k] = block
         k += stride
-    job[9] += n
 
 
 class Sweep:
