@@ -10,7 +10,7 @@ The body is the same seen from both ends, so half a turn of orientations is enou
 taken a little small, and the exact test of every move is the envelope's business.
 
 The spreading is a label-correcting search (a queue of poses whose cost fell), cut into slices so that no call takes
-long. While a field is being made there is none to ask: there is room for one only.
+long. Which poses are next to each other hangs on the axles: field_spread.py, field_spread_naws.py. While a field is being made there is none to ask: there is room for one only.
 Lengths on the floor are 1/8 mm modulo 2**16; costs are sixteenths of a cell.
 """
 
@@ -23,6 +23,7 @@ from once import forget
 
 _POINTS = const(37)  # closed in one slice
 _POSES = const(245)  # spread in one slice
+_POSES_STRAIGHT = const(195)  # ... where the last axle stays straight
 _N = const(30)
 _TURNS = const(12)
 _PLACES = const(900)
@@ -212,159 +213,6 @@ def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32
 
 
 @micropython.viper
-def _spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, steps: ptr16, state: ptr32, budget: int) -> int:
-    """Go on spreading for at most `budget` poses; returns 1 when the queue is empty. Bit 15 of a cost: the pose is queued."""
-    head = state[0]
-    tail = state[1]
-    limit = state[2]
-    done = 0
-    turn_cost = steps[96]
-    while budget > 0:
-        if head == tail:
-            done = 1
-            budget = 0
-        else:
-            at = queue[head]
-            here = cost[at] & 0x7FFF
-            if here > limit:
-                # All within the limit are done: raise it, and bring those within it to the front.
-                i = head
-                limit = here
-                while i != tail:
-                    c = cost[queue[i]] & 0x7FFF
-                    if c < limit:
-                        limit = c
-                    i += 1
-                    if i == _QUEUE:
-                        i = 0
-                limit += 96
-                i = head
-                j = tail - 1
-                if j < 0:
-                    j = _QUEUE - 1
-                while i != j:
-                    at = queue[i]
-                    if (cost[at] & 0x7FFF) <= limit:
-                        i += 1
-                        if i == _QUEUE:
-                            i = 0
-                    else:
-                        queue[i] = queue[j]
-                        queue[j] = at
-                        j -= 1
-                        if j < 0:
-                            j = _QUEUE - 1
-                i = tail - head
-                if i < 0:
-                    i += _QUEUE
-                budget -= i >> 3
-                at = queue[head]
-                here = cost[at] & 0x7FFF
-            head += 1
-            if head == _QUEUE:
-                head = 0
-            cost[at] = here
-            row = at // 30
-            i = at - row * 30 - 1
-            t = row // 30
-            w = weight[at - t * 900]
-            step = t * 8
-            # Neighbours row by row; the costs of opposite ways are the same, so they serve in either order.
-            to = at - 31
-            row -= 1
-            r = 0
-            while r < 3:
-                m = (rows[row] >> i) & 7
-                if r == 1:
-                    m = m | 2
-                if m != 7:
-                    dear = (tight[row] >> i) & 7
-                    d = 0
-                    while d < 3:
-                        if m & 1 == 0:
-                            c = steps[step] * w >> 1
-                            if dear & 1:
-                                c = c << 2
-                            c += here
-                            old = cost[to]
-                            if c < (old & 0x7FFF):
-                                if old & 0x8000:
-                                    cost[to] = c | 0x8000
-                                else:
-                                    following = tail + 1
-                                    if following == _QUEUE:
-                                        following = 0
-                                    if following != head:
-                                        cost[to] = c | 0x8000
-                                        if c <= limit:
-                                            head -= 1
-                                            if head < 0:
-                                                head = _QUEUE - 1
-                                            queue[head] = to
-                                        else:
-                                            queue[tail] = to
-                                            tail = following
-                        if r != 1 or d != 1:
-                            step += 1
-                        m = m >> 1
-                        dear = dear >> 1
-                        to += 1
-                        d += 1
-                    to += 27
-                else:
-                    to += 30
-                    step += 3
-                    if r == 1:
-                        step -= 1
-                row += 1
-                r += 1
-            # The two next orientations.
-            i += 1
-            r = 0
-            while r < 2:
-                to = at + 900
-                row = row - 2 + 30
-                if r:
-                    to = at - 900
-                    row = at // 30 - 30
-                if to >= 10800:
-                    to -= 10800
-                    row -= 360
-                elif to < 0:
-                    to += 10800
-                    row += 360
-                if (rows[row] >> i) & 1 == 0:
-                    c = turn_cost
-                    if (tight[row] >> i) & 1:
-                        c = c << 2
-                    c += here
-                    old = cost[to]
-                    if c < (old & 0x7FFF):
-                        if old & 0x8000:
-                            cost[to] = c | 0x8000
-                        else:
-                            following = tail + 1
-                            if following == _QUEUE:
-                                following = 0
-                            if following != head:
-                                cost[to] = c | 0x8000
-                                if c <= limit:
-                                    head -= 1
-                                    if head < 0:
-                                        head = _QUEUE - 1
-                                    queue[head] = to
-                                else:
-                                    queue[tail] = to
-                                    tail = following
-                r += 1
-            budget -= 1
-    state[0] = head
-    state[1] = tail
-    state[2] = limit
-    return done
-
-
-@micropython.viper
 def sample(cost: ptr16, x: int, y: int, heading: int, cell: int) -> int:
     """Cost at a pose, mm: trilinear between grid poses. x, y from the grid's corner (1/8 mm), heading in 0.1 deg, any int."""
     half = cell >> 1
@@ -430,7 +278,14 @@ class Field:
         width = config.robot_width
         self.cell = length * 8 // 12  # 1/8 mm
         self._stamps = None
-        self._steps = None
+        self._ways = None
+        self._straight = config.mode != "AWS"  # the last axle
+        if self._straight:
+            from field_spread_naws import spread
+        else:
+            from field_spread import spread
+        self._spread = spread
+        self._poses = _POSES_STRAIGHT if self._straight else _POSES
         self.refill(config)
         self._weight = bytearray(_PLACES)
         self._closed = array("i", [0] * (_N * _TURNS))
@@ -438,7 +293,7 @@ class Field:
         # 16-bit words, but only the viper functions look inside; array('H') could not be made without a second copy
         self._queue = bytearray(2 * _QUEUE)
         self.cost = bytearray(2 * _STATES)
-        self._state = array("i", [0, 0, 0])
+        self._state = array("i", [0, 0, 0, 0])  # of spread()
         # of the field being made: x, y of the corner (1/8 mm mod 2**16), cell, then what _cover() and _close() have as 3 and 4
         self._job = array("i", [0, 0, self.cell, 0, _POINTS])
         self._trail_radius = width * 4 + self.cell // 2
@@ -465,11 +320,17 @@ class Field:
             import field_tables
 
             self._reach, self._stamps = field_tables.stamps(config.robot_width, config.robot_length, config.avoid_margin, self.cell, self._stamps)
-            if self._steps is None:
-                self._steps = field_tables.steps(config.robot_length, self.cell)
+            if self._ways is None:
+                if self._straight:
+                    from field_ways import ways
+
+                    self._ways = ways(sum(config.axles_spacings), config.axles_first, self.cell)
+                    del ways
+                else:
+                    self._ways = field_tables.steps(config.robot_length, self.cell)
             del field_tables
         finally:
-            forget("field_tables")
+            forget("field_tables", "field_ways")
         self._stage = 0
 
     def follow(self, odometry):
@@ -518,10 +379,12 @@ class Field:
             if self._k >= points.count:
                 self._stage = 3
         elif stage == 3:
+            if self._straight:
+                self._tell_nose(odometry)
             _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state)
             self._stage = 4
         elif stage == 4:
-            if _spread(self.cost, self._closed, self._tight, self._weight, self._queue, self._steps, self._state, _POSES):
+            if self._spread(self.cost, self._closed, self._tight, self._weight, self._queue, self._ways, self._state, self._poses):
                 self.corner_x = self._job[0]
                 self.corner_y = self._job[1]
                 self._stage = 0
@@ -529,6 +392,19 @@ class Field:
                 self.builds += 1
                 return True
         return False
+
+    def _tell_nose(self, odometry):
+        """Which way the nose points in each orientation: as near as may be to where it points now. The orientation square to that is closed."""
+        now = (odometry.heading + 7500) // 15000
+        sense = 0
+        for t in range(_TURNS):
+            off = (t - now) % (2 * _TURNS)
+            if 6 < off < 18:
+                sense |= 1 << t
+        self._state[3] = sense
+        first = (now + 6) % _TURNS * _N
+        for row in range(first, first + _N):
+            self._closed[row] = 0x3FFFFFFF
 
     def at(self, x, y, heading):
         """Cost of a pose on the floor (1/8 mm mod 2**16, 0.1 deg), mm, relative to others of this field."""

@@ -34,9 +34,9 @@ class Progress(Watch):
     def serial(self, data):
         *lines, self._printed = (self._printed + data).split(b"\n")
         for line in lines:
-            text = line.decode(errors="replace").strip()
+            text = line.decode(errors="replace").strip()  # a piece of a binary message does not decode
             self._crashed = self._crashed or text.startswith("Traceback")  # which the result shows as the reason
-            if text and text.isprintable() and not self._crashed:
+            if text and text.isprintable() and "\ufffd" not in text and not self._crashed:
                 self._out(f"         firmware: {text}")
 
 

@@ -56,3 +56,63 @@ def test_ground_covered_is_dear():
         field.follow(odometry)
     _built(walls, field, odometry)
     assert _at(field, 0, -400) > before + 20
+
+
+def _naws():
+    return Field(Config({"mode": "NAWS"}))
+
+
+def test_with_the_last_axle_straight_what_lies_beside_the_body_is_far():
+    # A bay open to the right, 100 mm longer than the body.
+    walls = _Points((-190, -350, -190, 350), (-190, 350, 190, 350), (-190, -350, 190, -350))
+    out = {}
+    for name, field in (("AWS", Field(Config())), ("NAWS", _naws())):
+        _built(walls, field)
+        out[name] = _at(field, 0, 0) - _at(field, 410, 0)
+    # All wheels steered, it crabs out, at about the distance. Otherwise it leaves as a car does, by driving to and fro.
+    assert 300 < out["AWS"] < 600
+    assert 1.5 * out["AWS"] < out["NAWS"] < 5000
+
+
+def test_with_the_last_axle_straight_mirrored_rooms_cost_the_same():
+    # No point stands on the edge of a half cell, which has no mirror image.
+    field = _built(_Points((-260, -890, -260, 390), (-260, 390, 890, 390), (260, -890, 260, -90), (260, -90, 890, -90)), _naws())
+    other = _built(_Points((260, -890, 260, 390), (260, 390, -890, 390), (-260, -890, -260, -90), (-260, -90, -890, -90)), _naws())
+    for x, y, heading in ((0, 0, 0), (50, -100, 150), (-50, -200, -80), (400, 150, 700), (120, 60, 330)):
+        assert abs(_at(field, x, y, heading) - _at(other, -x, y, -heading)) <= 12
+    # The turn right is driven forward: nearer to its end is cheaper.
+    assert _at(field, 500, 150, 750) < _at(field, 150, 60, 400) < _at(field, -50, -250, 0)
+
+
+def test_backing_is_dear_where_the_last_axle_stays_straight():
+    # A corridor closed ahead, open behind: with a nose that points out, driving out costs less than with one that points in.
+    walls = _Points((-200, -900, -200, 500), (200, -900, 200, 500), (-200, 500, 200, 500))
+    odometry = Still()
+    inward = _built(walls, _naws())
+    odometry.heading = 180000
+    outward = _built(walls, _naws(), odometry)
+    assert _at(inward, 0, 0) - _at(inward, 0, -300) > 2 * (_at(outward, 0, 0, 1800) - _at(outward, 0, -300, 1800)) > 300
+
+
+def test_ways_of_a_straight_last_axle_go_round_its_tightest_circle():
+    from field_ways import ways
+
+    table = ways(497, 248.5, 400)
+    assert len(table) == 24 * 36 and max(table) < 2048
+    x = y = 0
+    for t in range(24):
+        way = t * 36 + 27  # to the next heading, as driven: against what the table says
+        x -= table[way] - 8
+        y -= table[way + 1] - 8
+        if t == 11:
+            half = x, y
+    assert (x, y) == (0, 0)
+    # Half round, the centre comes to lie a diameter of the last axle's circle to the side, and as far behind as the axle was before.
+    assert abs(abs(half[0]) - 2 * 497 / 1.732 / 50) <= 1.5 and abs(abs(half[1]) - 2 * 248.5 / 50) <= 1.5
+    # A turn and back again, both forward, go to no side: on along the body only.
+    for t in range(24):
+        out = t * 36 + 27
+        back = ((t + 1) % 24) * 36 + 33
+        x = 16 - table[out] - table[back]
+        y = 16 - table[out + 1] - table[back + 1]
+        assert 1 <= x * x + y * y <= 21
