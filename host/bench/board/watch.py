@@ -62,8 +62,8 @@ class Watch:
         log.write(PLACE, value, 0)
 
     def after_guard(self, value, out, waited):
-        # A robot that stands already has nothing to answer with.
-        log.write(GUARD, value, 1 if out is True and self.robot.drive.v256 else 0)
+        # A robot whose motors are off already, though it may still roll, has nothing to answer with.
+        log.write(GUARD, value, 1 if out is True and self.robot.drive._set_v256 else 0)
 
     def after_work(self, value, out, waited):
         log.write(WORK, value, 1 if out else 0)
