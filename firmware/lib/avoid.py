@@ -29,7 +29,7 @@ _NO_POINT = const(32767)
 _SLICE = const(1800)  # candidate tests in one slice
 _OVERHEAD = const(76)  # what is done once for a candidate, its five ends valued above all, in tests
 _PATIENCE = const(5)  # times backing up on the same ground
-_BACKWARD = const(150)  # mm that a move backward costs for being one
+_BACKWARD = const(300)  # mm that a move backward costs for being one: another one follows, and the wheels are turned for both
 _DETOUR = const(130)  # mm by which a single move may fall short of what the field promises
 
 # Stages of a decision.

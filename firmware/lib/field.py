@@ -271,7 +271,10 @@ def sample(cost: ptr16, x: int, y: int, heading: int, cell: int) -> int:
 
 
 class Field:
-    """Cost of leaving, by pose. `ready` once a first field exists; `work()` renews it slice by slice."""
+    """Cost of leaving, by pose. `ready` once a first field exists; `work()` renews it slice by slice.
+
+    knows_nose: the last axle stays straight, and the costs are those of a body with its nose where the robot's is; else both ends are alike.
+    """
 
     def __init__(self, config):
         length = config.robot_length
@@ -279,13 +282,13 @@ class Field:
         self.cell = length * 8 // 12  # 1/8 mm
         self._stamps = None
         self._ways = None
-        self._straight = config.mode != "AWS"  # the last axle
-        if self._straight:
+        self.knows_nose = config.mode != "AWS"
+        if self.knows_nose:
             from field_spread_naws import spread
         else:
             from field_spread import spread
         self._spread = spread
-        self._poses = _POSES_STRAIGHT if self._straight else _POSES
+        self._poses = _POSES_STRAIGHT if self.knows_nose else _POSES
         self.refill(config)
         self._weight = bytearray(_PLACES)
         self._closed = array("i", [0] * (_N * _TURNS))
@@ -321,7 +324,7 @@ class Field:
 
             self._reach, self._stamps = field_tables.stamps(config.robot_width, config.robot_length, config.avoid_margin, self.cell, self._stamps)
             if self._ways is None:
-                if self._straight:
+                if self.knows_nose:
                     from field_ways import ways
 
                     self._ways = ways(sum(config.axles_spacings), config.axles_first, self.cell)
@@ -379,7 +382,7 @@ class Field:
             if self._k >= points.count:
                 self._stage = 3
         elif stage == 3:
-            if self._straight:
+            if self.knows_nose:
                 self._tell_nose(odometry)
             _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state)
             self._stage = 4

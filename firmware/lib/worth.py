@@ -233,12 +233,14 @@ class Worth:
         _weigh(scores, free, soft, env.af, env.ar, env.lengths, job)
 
     def against(self, variant, move):
-        """What it costs, mm, that the nose does not point where the way leads on after a move; the field knows no front from rear.
+        """What it costs, mm, that the nose does not point where the way leads on after a move, if the field knows no front from rear.
 
         The cost of leaving should fall ahead of the nose; how much it does not is counted.
         """
         env = self._envelopes
         field = self._field
+        if field.knows_nose:
+            return 0
         job = self._job
         x = env.ends[2 * move] - 8192
         y = env.ends[2 * move + 1] - 8192
