@@ -83,6 +83,18 @@ def test_what_the_firmware_prints_is_shown(twin):
     assert "firmware: standing" in out
 
 
+def test_only_text_of_the_firmware_is_shown():
+    from host.twin.console import Progress
+
+    shown = []
+    progress = Progress(shown.append)
+    # A binary message may hold the byte that ends a line.
+    progress.serial(b"hello\n\xb5\x12\xff\x00\n\xff\n\xe4\xb8")
+    progress.serial(b"\n  there\r\n")
+    assert [line.strip() for line in shown] == ["firmware: hello", "firmware: there"]
+
+
+
 def test_a_crash_shows_its_traceback(twin):
     code, out, _ = twin("import time\ntime.sleep_ms(5)\n1 // 0\n", "Z")
     assert code == 1
