@@ -19,6 +19,7 @@ from array import array
 import micropython
 from micropython import const
 
+from field_queue import LENGTH
 from once import forget
 
 _POINTS = const(37)  # closed in one slice
@@ -28,7 +29,6 @@ _N = const(30)
 _TURNS = const(12)
 _PLACES = const(900)
 _STATES = const(10800)
-_QUEUE = const(1536)  # more than the poses of the rim, of which it holds most at first
 _TRAIL_POINTS = const(120)
 
 
@@ -294,7 +294,7 @@ class Field:
         self._closed = array("i", [0] * (_N * _TURNS))
         self._tight = array("i", [0] * (_N * _TURNS))
         # 16-bit words, but only the viper functions look inside; array('H') could not be made without a second copy
-        self._queue = bytearray(2 * _QUEUE)
+        self._queue = bytearray(2 * LENGTH)
         self.cost = bytearray(2 * _STATES)
         self._state = array("i", [0, 0, 0, 0])  # of spread()
         # of the field being made: x, y of the corner (1/8 mm mod 2**16), cell, then what _cover() and _close() have as 3 and 4

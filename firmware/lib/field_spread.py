@@ -4,14 +4,17 @@ A robot whose last axle stays straight has field_spread_naws.py instead.
 """
 
 import micropython
+from field_queue import raise_limit
 from micropython import const
 
-_QUEUE = const(1536)  # as in field.py
+_QUEUE = const(1536)  # as in field_queue.py
 
 
 @micropython.viper
-def spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, steps: ptr16, state: ptr32, budget: int) -> int:
+def spread(costs, rows: ptr32, tight: ptr32, weight: ptr8, queued, steps: ptr16, state: ptr32, budget: int) -> int:
     """Go on spreading for at most `budget` poses; returns 1 when the queue is empty. Bit 15 of a cost: the pose is queued."""
+    cost = ptr16(costs)
+    queue = ptr16(queued)
     head = state[0]
     tail = state[1]
     limit = state[2]
@@ -25,33 +28,8 @@ def spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, s
             at = queue[head]
             here = cost[at] & 0x7FFF
             if here > limit:
-                # All within the limit are done: raise it, and bring those within it to the front.
-                i = head
-                limit = here
-                while i != tail:
-                    c = cost[queue[i]] & 0x7FFF
-                    if c < limit:
-                        limit = c
-                    i += 1
-                    if i == _QUEUE:
-                        i = 0
-                limit += 96
-                i = head
-                j = tail - 1
-                if j < 0:
-                    j = _QUEUE - 1
-                while i != j:
-                    at = queue[i]
-                    if (cost[at] & 0x7FFF) <= limit:
-                        i += 1
-                        if i == _QUEUE:
-                            i = 0
-                    else:
-                        queue[i] = queue[j]
-                        queue[j] = at
-                        j -= 1
-                        if j < 0:
-                            j = _QUEUE - 1
+                # All within the limit are done.
+                limit = int(raise_limit(costs, queued, head, tail))
                 i = tail - head
                 if i < 0:
                     i += _QUEUE

@@ -5,14 +5,17 @@ orientation is taken to be the one nearer to where it points now, and the orient
 """
 
 import micropython
+from field_queue import raise_limit
 from micropython import const
 
-_QUEUE = const(1536)  # as in field.py
+_QUEUE = const(1536)  # as in field_queue.py
 
 
 @micropython.viper
-def spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, ways: ptr16, state: ptr32, budget: int) -> int:
+def spread(costs, rows: ptr32, tight: ptr32, weight: ptr8, queued, ways: ptr16, state: ptr32, budget: int) -> int:
     """As spread() of field_spread.py. ways: of field_ways.py; state[3]: a bit for each orientation of which the nose points the other way."""
+    cost = ptr16(costs)
+    queue = ptr16(queued)
     head = state[0]
     tail = state[1]
     limit = state[2]
@@ -26,33 +29,8 @@ def spread(cost: ptr16, rows: ptr32, tight: ptr32, weight: ptr8, queue: ptr16, w
             at = queue[head]
             here = cost[at] & 0x7FFF
             if here > limit:
-                # All within the limit are done: raise it, and bring those within it to the front.
-                i = head
-                limit = here
-                while i != tail:
-                    c = cost[queue[i]] & 0x7FFF
-                    if c < limit:
-                        limit = c
-                    i += 1
-                    if i == _QUEUE:
-                        i = 0
-                limit += 96
-                i = head
-                j = tail - 1
-                if j < 0:
-                    j = _QUEUE - 1
-                while i != j:
-                    at = queue[i]
-                    if (cost[at] & 0x7FFF) <= limit:
-                        i += 1
-                        if i == _QUEUE:
-                            i = 0
-                    else:
-                        queue[i] = queue[j]
-                        queue[j] = at
-                        j -= 1
-                        if j < 0:
-                            j = _QUEUE - 1
+                # All within the limit are done.
+                limit = int(raise_limit(costs, queued, head, tail))
                 i = tail - head
                 if i < 0:
                     i += _QUEUE
