@@ -29,7 +29,8 @@ _NO_POINT = const(32767)
 _SLICE = const(1800)  # candidate tests in one slice
 _OVERHEAD = const(76)  # what is done once for a candidate, its five ends valued above all, in tests
 _PATIENCE = const(5)  # times backing up on the same ground
-_BACKWARD = const(300)  # mm that a move backward costs for being one: another one follows, and the wheels are turned for both
+_BACKWARD = const(150)  # mm that a move backward costs for being one
+_BACKWARD_NAWS = const(300)  # ... where the robot drives worse that way
 _DETOUR = const(130)  # mm by which a single move may fall short of what the field promises
 
 # Stages of a decision.
@@ -78,6 +79,7 @@ class Avoid:
         self._n = 0
         self._near = 0
         self._kinds = ((0, env.arcs), (env.arcs, count))  # turns; straight and crab
+        self._backward = _BACKWARD_NAWS if self.field.knows_nose else _BACKWARD
         self._here = 0  # cost of leaving where the decision began
         self._stage = _FIELD
         self._next = 0  # of what a stage has cut into slices
@@ -224,7 +226,7 @@ class Avoid:
         self._run(variant, first, last, 1, env.lengths[0])
         self._worth.score(
             variant, self.free_of[variant], self.soft_of[variant], self._score[variant], first, last, 1, self.af, self.ar,
-            _BACKWARD if variant & 2 else 0,
+            self._backward if variant & 2 else 0,
         )  # fmt: skip
         self._next = last
         if last < env.count:
