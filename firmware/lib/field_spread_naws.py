@@ -65,32 +65,35 @@ def spread(costs, rows: ptr32, tight: ptr32, weight: ptr8, queued, ways: ptr16, 
                 while e < last:
                     i = x + ways[e]
                     j = y + ways[e + 1]
-                    if i > 0 and i < 29 and j > 0 and j < 29:
+                    # on the grid: the outermost ring is closed
+                    if (i | j | 29 - i | 29 - j) >= 0:
                         row = base + j
-                        if (rows[row] >> i) & 1 == 0:
-                            c = ways[e + 2] * w >> 1
-                            if (tight[row] >> i) & 1:
-                                c = c * 6
-                            c += here
-                            to = row * 30 + i
-                            old = cost[to]
-                            if c < (old & 0x7FFF):
-                                if old & 0x8000:
-                                    cost[to] = c | 0x8000
-                                else:
-                                    following = tail + 1
-                                    if following == _QUEUE:
-                                        following = 0
-                                    if following != head:
+                        to = row * 30 + i
+                        old = cost[to]
+                        # Most are cheaper already, and need no looking up.
+                        if (old & 0x7FFF) > here:
+                            if (rows[row] >> i) & 1 == 0:
+                                c = ways[e + 2] * w >> 1
+                                if (tight[row] >> i) & 1:
+                                    c = c * 6
+                                c += here
+                                if c < (old & 0x7FFF):
+                                    if old & 0x8000:
                                         cost[to] = c | 0x8000
-                                        if c <= limit:
-                                            head -= 1
-                                            if head < 0:
-                                                head = _QUEUE - 1
-                                            queue[head] = to
-                                        else:
-                                            queue[tail] = to
-                                            tail = following
+                                    else:
+                                        following = tail + 1
+                                        if following == _QUEUE:
+                                            following = 0
+                                        if following != head:
+                                            cost[to] = c | 0x8000
+                                            if c <= limit:
+                                                head -= 1
+                                                if head < 0:
+                                                    head = _QUEUE - 1
+                                                queue[head] = to
+                                            else:
+                                                queue[tail] = to
+                                                tail = following
                     e += 3
                 last += 6
                 turn += 1
