@@ -4,6 +4,8 @@ import re
 import shutil
 from pathlib import Path
 
+import pytest
+
 from host.twin import image, process, run
 
 PROBE = Path(__file__).with_name("memory_probe.py")
@@ -20,7 +22,7 @@ raise SystemExit
 """
 
 
-def _asked(tmp_path, monkeypatch, heap):
+def _asked(tmp_path, monkeypatch, heap, mode):
     """What the firmware prints when it is asked before its loop begins."""
     firmware = tmp_path / "firmware"
     shutil.copytree(image.FIRMWARE, firmware)
@@ -36,7 +38,7 @@ def _asked(tmp_path, monkeypatch, heap):
         original(self, engine, config_text, lambda data: (printed.append(data), on_serial(data)), firmware)
 
     monkeypatch.setattr(process.Process, "__init__", listen)
-    run(record=False, course="Z", firmware=firmware)
+    run(record=False, course="Z", mode=mode, firmware=firmware)
     return b"".join(printed).decode(errors="replace")
 
 
@@ -46,8 +48,9 @@ def _number(pattern, text):
     return int(found.group(1))
 
 
-def test_what_lives_after_the_start(tmp_path, monkeypatch):
-    said = _asked(tmp_path, monkeypatch, "2M")
+@pytest.mark.parametrize("mode", ("aws", "naws"))
+def test_what_lives_after_the_start(tmp_path, monkeypatch, mode):
+    said = _asked(tmp_path, monkeypatch, "2M", mode)
     live = _number(r"live (\d+)", said)
     arrays = _number(r"arrays (\d+)", said)
     print(f"live after the start {live} bytes, arrays and tables {arrays} bytes")
@@ -55,14 +58,19 @@ def test_what_lives_after_the_start(tmp_path, monkeypatch):
     assert arrays < ARRAYS
 
 
-def test_room_is_left_in_one_piece(tmp_path, monkeypatch):
-    said = _asked(tmp_path, monkeypatch, process.HEAP)
+@pytest.mark.parametrize("mode", ("aws", "naws"))
+def test_room_is_left_in_one_piece(tmp_path, monkeypatch, mode):
+    said = _asked(tmp_path, monkeypatch, process.HEAP, mode)
     block = _number(r"max free sz: (\d+)", said) * 32
     print(f"largest free block {block} bytes of a heap of {process.HEAP}")
     assert block >= BLOCK  # a parameter's message
 
 
-def test_it_drives_in_that_heap():
-    result = run(record=False, course="Z", seed=1)
+@pytest.mark.parametrize("mode, width", (("aws", 550), ("naws", 600)))
+def test_it_drives_in_that_heap(mode, width):
+    result = run(record=False, course="Z", width=width, mode=mode, seed=1)
     assert result.result == "pass", result.reason
+    assert not result.summary()["contacts"]
+    if mode == "naws":
+        assert {decision.ar for decision in result.log} == {0}  # the last axle stays straight
 

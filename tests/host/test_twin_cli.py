@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from host.twin import cli
+from host.twin.console import Progress
 
 ROOT = Path(__file__).resolve().parents[2]
 STANDS = "import time\nprint('standing')\nwhile True:\n    time.sleep_ms(50)\n"
@@ -84,15 +85,12 @@ def test_what_the_firmware_prints_is_shown(twin):
 
 
 def test_only_text_of_the_firmware_is_shown():
-    from host.twin.console import Progress
-
     shown = []
     progress = Progress(shown.append)
     # A binary message may hold the byte that ends a line.
     progress.serial(b"hello\n\xb5\x12\xff\x00\n\xff\n\xe4\xb8")
     progress.serial(b"\n  there\r\n")
     assert [line.strip() for line in shown] == ["firmware: hello", "firmware: there"]
-
 
 
 def test_a_crash_shows_its_traceback(twin):

@@ -228,13 +228,13 @@ def test_compiling_happens_once(board, tmp_path):
 SECONDS = 4
 
 
-@pytest.fixture(scope="module")
-def drives():
-    """The first seconds of Z 550, seed 2: twice under MicroPython, once under CPython."""
+@pytest.fixture(scope="module", params=("aws", "naws"))
+def drives(request):
+    """The first seconds of Z 550, seed 2, with all wheels steered and with the last axle straight: twice under MicroPython, once under CPython."""
     out = []
     for engine in ("micropython", "micropython", "cpython"):
         log = Log()
-        out.append((run("Z", 550, seed=2, engine=engine, watch=log, limit_s=SECONDS, record=False), log))
+        out.append((run("Z", 550, seed=2, mode=request.param, engine=engine, watch=log, limit_s=SECONDS, record=False), log))
     return out
 
 
