@@ -72,7 +72,7 @@ def _parser():
     add("--mirror", action="store_true", help="the course with left and right exchanged")
     add("--reverse", action="store_true", help="enter from the other end")
     add("--angle", type=float, default=90.0, metavar="DEG", help="bend: angle of its two bends (default 90)")
-    add("--scale", type=float, default=1.0, metavar="X", help="bend: factor on the length of its legs (default 1)")
+    add("--scale", type=float, default=1.0, metavar="X", help="factor on the area, and so on the length of the legs; not on the width (default 1)")
     return parser
 
 

@@ -48,25 +48,29 @@ def make(name, width=None, gap=500.0, seed=0, mirror=False, reverse=False, angle
     """A course by name.
 
     width: of the corridor. gap: random only, the least distance between obstacles. seed: random only. mirror: left and right
-    exchanged. reverse: entered from the other end. angle, scale: bend only, the angle of its two bends (degrees) and the factor on the
-    length of its legs. ValueError names what is allowed.
+    exchanged. reverse: entered from the other end. angle: bend only, of its two bends (degrees). scale: factor on the area, and so on the
+    length of the legs; not on the width. ValueError names what is allowed.
     """
     if name not in NAMES:
         raise ValueError(f"course {name!r} is not known; courses are {', '.join(NAMES)}")
+    if name != "bend" and angle != 90:
+        raise ValueError(f"an angle is for the bend; {name} has its own shape")
+    if not 0.5 <= scale <= 3:
+        raise ValueError(f"scale {scale:g} is out of range; 0.5 to 3 is accepted")
     width = float(DEFAULT_WIDTH[name] if width is None else width)
     if not 260 <= width <= 3000:
         raise ValueError(f"width {width:g} mm is out of range; 260 to 3000 is accepted")
     if name == "random":
         if not 100 <= gap <= 1500:
             raise ValueError(f"gap {gap:g} mm is out of range; 100 to 1500 is accepted")
-        boxes = scatter(RANDOM_SIZE, gap, np.random.default_rng([seed, 6]))
-        line = np.array([[RANDOM_SIZE[0] / 2, 0.0], [RANDOM_SIZE[0] / 2, RANDOM_SIZE[1]]])
-        width = RANDOM_SIZE[0]
+        width, length = scale * RANDOM_SIZE[0], scale * RANDOM_SIZE[1]
+        boxes = scatter((width, length), gap, np.random.default_rng([seed, 6]))
+        line = np.array([[width / 2, 0.0], [width / 2, length]])
     else:
         boxes = np.zeros((0, 4, 2))
         line = centre_line(name, width, angle, scale)
     if mirror:
-        line, boxes = _mirrored(line, boxes, AREA[0] if name != "random" else RANDOM_SIZE[0])
+        line, boxes = _mirrored(line, boxes, scale * AREA[0] if name != "random" else width)
     if reverse:
         line = line[::-1]
     return corridor(name, line, width, boxes)
@@ -75,7 +79,7 @@ def make(name, width=None, gap=500.0, seed=0, mirror=False, reverse=False, angle
 def centre_line(name, width, angle=90.0, scale=1.0):
     """Corners of a corridor's centre line, (n, 2)."""
     half = width / 2
-    right, top = AREA
+    right, top = scale * AREA[0], scale * AREA[1]
     if name == "Z":
         return np.array([(half, 0), (half, top / 2), (right - half, top / 2), (right - half, top)], float)
     if name == "U":
@@ -83,14 +87,12 @@ def centre_line(name, width, angle=90.0, scale=1.0):
     if name == "bend":
         if not 20 <= angle <= 120:
             raise ValueError(f"angle {angle:g} is out of range; 20 to 120 degrees is accepted")
-        if not 0.5 <= scale <= 3:
-            raise ValueError(f"scale {scale:g} is out of range; 0.5 to 3 is accepted")
-        leg, across, turn = scale * top / 2, scale * (right - width), radians(angle)
+        leg, across, turn = top / 2, scale * (AREA[0] - width), radians(angle)
         first = np.array([0.0, leg])
         second = first + across * np.array([sin(turn), cos(turn)])
         return np.array([(0.0, 0.0), first, second, second + (0.0, leg)])
     corner = 2520.0 if name == "S-sharp" else 2250.0
-    return np.array([(3550, 1400), (2750, 1400), (corner, 450), (1350, 450), (850, 1350), (0, 1350)], float)
+    return scale * np.array([(3550, 1400), (2750, 1400), (corner, 450), (1350, 450), (850, 1350), (0, 1350)], float)
 
 
 def corridor(name, line, width, boxes=None):
@@ -101,6 +103,8 @@ def corridor(name, line, width, boxes=None):
     path[0] -= ENTRANCE * first
     path[-1] += EXIT * last
     left, right = offset(path, width / 2), offset(path, -width / 2)
+    if any((np.diff(side, axis=0) * np.diff(path, axis=0)).sum(axis=1).min() <= 0 for side in (left, right)):
+        raise ValueError(f"a passage {width:g} mm wide does not fit into the area of {name}: make it narrower or the scale larger")
     walls = [np.hstack([side[:-1], side[1:]]) for side in (left, right)]
     walls.append(np.hstack([left[0], right[0]])[None])
     walls += [np.hstack([box, np.roll(box, -1, axis=0)]) for box in boxes]

@@ -102,7 +102,29 @@ def test_random_depends_on_the_seed_alone():
     assert one.shape != other.shape or not np.array_equal(one, other)
 
 
-@pytest.mark.parametrize("settings", [dict(name="Q"), dict(name="Z", width=100), dict(name="bend", angle=5), dict(name="random", gap=1)])
+@pytest.mark.parametrize("name", courses.NAMES)
+def test_the_scale_is_that_of_the_area_not_of_the_width(name):
+    one, two = (courses.make(name, 500, gap=300, scale=scale) for scale in (1, 1.5))
+    line = [np.array([course.start[:2], course.goal[:2]]) for course in (one, two)]
+    ends = 1.5 * np.diff(line[0], axis=0), np.diff(line[1], axis=0)
+    # What lies before the start and behind the goal does not grow.
+    assert np.abs(ends[0] - ends[1]).max() < 700
+    assert np.hypot(*(ends[1] - ends[0] / 1.5).T) > 300
+    assert two.width == (500 if name != "random" else 2250)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        dict(name="Q"),
+        dict(name="Z", width=100),
+        dict(name="bend", angle=5),
+        dict(name="Z", angle=80),
+        dict(name="random", gap=1),
+        dict(name="Z", scale=0.1),
+        dict(name="U", width=900, scale=0.5),
+    ],
+)
 def test_what_cannot_be_built_is_refused_with_what_can(settings):
-    with pytest.raises(ValueError, match="courses are|accepted"):
+    with pytest.raises(ValueError, match="courses are|accepted|an angle is for|make it narrower"):
         courses.make(**settings)
