@@ -18,7 +18,7 @@ BUFFERS_BUDGET = 70_000
 START_BUDGET_MS = 3000
 RATIO_TO_PAPER, RATIO_TO_PLAIN = 100, 20
 WORKERS = 2
-PAPER_EACH, PLAIN_EACH = 16, 2  # decisions of each tape that the baselines make as well: the plain one takes a second for one
+PAPER_EACH, PLAIN_EACH = 64, 2  # decisions of each tape that the baselines make as well: the plain one takes a second for one
 
 
 def main(arguments=None):
