@@ -6,7 +6,7 @@ on well, the best of all moves, backward ones included, are each followed by a s
 driven one after the other as long as the points agree.
 
 The work is cut into slices, one a call of `work()`; the guard that stops the robot for something new runs on every frame.
-Source: papers A section 4 and B section 3, with the corrections of the feasibility study in the README.
+Source: papers A section 4 and B section 3; the cost of leaving and the second move are this project's own.
 """
 
 from array import array
@@ -31,7 +31,6 @@ _OVERHEAD = const(76)  # what is done once for a candidate, its five ends valued
 _PATIENCE = const(5)  # times backing up on the same ground
 _BACKWARD = const(150)  # mm that a move backward costs for being one
 _BACKWARD_NAWS = const(300)  # ... where the robot drives worse that way
-_DETOUR = const(130)  # mm by which a single move may fall short of what the field promises
 
 # Stages of a decision.
 _IDLE = const(0)
@@ -78,8 +77,7 @@ class Avoid:
         self._pairs = Pairs(env, self._worth, self._sweep)
         self._n = 0
         self._near = 0
-        self._kinds = ((0, env.arcs), (env.arcs, count))  # turns; straight and crab
-        self._backward = _BACKWARD_NAWS if self.field.knows_nose else _BACKWARD
+        self._backward = _BACKWARD if config.mode == "AWS" else _BACKWARD_NAWS
         self._here = 0  # cost of leaving where the decision began
         self._stage = _FIELD
         self._next = 0  # of what a stage has cut into slices
@@ -375,21 +373,19 @@ class Avoid:
     def _choose_one(self):
         """Take the best single move if it gets on well."""
         env = self.envelopes
-        least = value = NOTHING
+        value = NOTHING
         number = variant = 0
-        # The best turn and the best crab to each side; which of them, is told by where the nose points afterwards as well.
         for v in (0, 1):
             scores = self._score[v]
-            for first, last in self._kinds:
-                one = best(scores, first, last, 1)
-                if one != NOTHING:
-                    total = scores[one] + self._worth.against(v, one)
-                    if total < least or (total == least and v == self._variant):
-                        least = total
-                        value = scores[one]
-                        number = one
-                        variant = v
-        if value == NOTHING or value > self._here + _DETOUR:
+            one = best(scores, 0, env.count, 1)
+            if one != NOTHING and (scores[one] < value or (scores[one] == value and v == self._variant)):
+                value = scores[one]
+                number = one
+                variant = v
+        if value == NOTHING:
+            return False
+        # It may fall short of what the field promises, but one that just drives away from the way on falls short by twice its length.
+        if value > self._here + min(env.lengths[1], env.lengths[number % LENGTHS]):
             return False
         k = number // LENGTHS
         if self.free_of[variant][k] < self.config.avoid_accept:

@@ -4,13 +4,15 @@ The envelope test knows what the body can do in the next half second; it does no
 a grid of poses (28 x 28 places of 1/12 body length and a closed ring round them, 12 orientations of 15 degrees) the cost
 of the cheapest way out is spread inwards from the rim. Poses in which the outline covers a point are closed; places the
 robot has covered already are dear, dearer each time, so that it goes on rather than back and comes back only when nothing
-else is left. Rim places in the direction the robot has been travelling are the cheapest exits.
+else is left. Rim places in the direction the robot has been travelling are the cheapest exits, and those left nose first: a
+long body would else as soon turn its nose into a corner and its rear into the way on.
 
-The body is the same seen from both ends, so half a turn of orientations is enough. The grid is coarse: the outline is
-taken a little small, and the exact test of every move is the envelope's business.
+The outline is the same seen from both ends; which of them is the nose, field_nose.py says. The grid is coarse: the
+outline is taken a little small, and the exact test of every move is the envelope's business.
 
 The spreading is a label-correcting search (a queue of poses whose cost fell), cut into slices so that no call takes
-long. Which poses are next to each other hangs on the axles: field_spread.py, field_spread_naws.py. While a field is being made there is none to ask: there is room for one only.
+long. Which poses are next to each other hangs on the axles: field_spread.py, field_spread_naws.py. While a field is being
+made there is none to ask: there is room for one only.
 Lengths on the floor are 1/8 mm modulo 2**16; costs are sixteenths of a cell.
 """
 
@@ -19,6 +21,7 @@ from array import array
 import micropython
 from micropython import const
 
+import field_nose
 from field_queue import LENGTH
 from once import forget
 
@@ -164,9 +167,10 @@ def _close(closed: ptr32, tight: ptr32, stamps: ptr16, seen: ptr32, fx: ptr16, f
 
 
 @micropython.viper
-def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32):
+def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32, inward: ptr16):
     """Open poses on the rim are exits; those in the direction (ux, uy) * 2**10 are the cheapest.
 
+    inward: what each of 24 headings of the nose adds on the far rim (field_tables.inward()). state[3]: of field_nose.tell().
     The rim is the last row and column but one: the outermost are closed, which spares _spread() to look where the grid ends.
     """
     tail = 0
@@ -179,10 +183,22 @@ def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32
         while i < t - 1:
             rows[i] = rows[i] | 0x20000001
             i += 1
+    sense = state[3]
     t = 0
     while t < 12:
         side = 0
         while side < 4:
+            # Heading of the nose as the far rim sees it, whichever side this is.
+            h = t + 12 * (sense >> t & 1)
+            if side == 0:
+                h += 12
+            elif side == 2:
+                h += 6
+            elif side == 3:
+                h += 18
+            if h >= 24:
+                h -= 24
+            more = inward[h]
             i = 1
             while i < 29:
                 x = i
@@ -201,6 +217,7 @@ def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32
                     c = ((46 << 10) - (x + x - 29) * ux - (y + y - 29) * uy) * 12 >> 10
                     if c < 0:
                         c = 0
+                    c += more
                     cost[at] = c | 0x8000
                     queue[tail] = at
                     tail += 1
@@ -214,11 +231,17 @@ def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32
 
 @micropython.viper
 def sample(cost: ptr16, x: int, y: int, heading: int, cell: int) -> int:
-    """Cost at a pose, mm: trilinear between grid poses. x, y from the grid's corner (1/8 mm), heading in 0.1 deg, any int."""
+    """Cost at a pose, mm: trilinear between grid poses. x, y from the grid's corner (1/8 mm), heading in 0.1 deg, any int.
+
+    20000 where the pose is closed, or beyond the grid.
+    """
     half = cell >> 1
     x -= half
     y -= half
     limit = cell * 28 - 1
+    # A body beyond the grid may meet what the field knows nothing of.
+    if x < 0 or y < 0 or x > limit + cell or y > limit + cell:
+        return 20000
     if x < cell:
         x = cell
     if y < cell:
@@ -271,10 +294,7 @@ def sample(cost: ptr16, x: int, y: int, heading: int, cell: int) -> int:
 
 
 class Field:
-    """Cost of leaving, by pose. `ready` once a first field exists; `work()` renews it slice by slice.
-
-    knows_nose: the last axle stays straight, and the costs are those of a body with its nose where the robot's is; else both ends are alike.
-    """
+    """Cost of leaving, by pose. `ready` once a first field exists; `work()` renews it slice by slice."""
 
     def __init__(self, config):
         length = config.robot_length
@@ -282,13 +302,14 @@ class Field:
         self.cell = length * 8 // 12  # 1/8 mm
         self._stamps = None
         self._ways = None
-        self.knows_nose = config.mode != "AWS"
-        if self.knows_nose:
+        self._straight = config.mode != "AWS"  # the last axle stays so
+        if self._straight:
             from field_spread_naws import spread
         else:
             from field_spread import spread
         self._spread = spread
-        self._poses = _POSES_STRAIGHT if self.knows_nose else _POSES
+        self._poses = _POSES_STRAIGHT if self._straight else _POSES
+        self._inward = array("H", bytes(48))
         self.refill(config)
         self._weight = bytearray(_PLACES)
         self._closed = array("i", [0] * (_N * _TURNS))
@@ -296,7 +317,7 @@ class Field:
         # 16-bit words, but only the viper functions look inside; array('H') could not be made without a second copy
         self._queue = bytearray(2 * LENGTH)
         self.cost = bytearray(2 * _STATES)
-        self._state = array("i", [0, 0, 0, 0])  # of spread()
+        self._state = array("i", [0, 0, 0, 0])  # of spread(); 3 as field_nose.tell() sets it
         # of the field being made: x, y of the corner (1/8 mm mod 2**16), cell, then what _cover() and _close() have as 3 and 4
         self._job = array("i", [0, 0, self.cell, 0, _POINTS])
         self._trail_radius = width * 4 + self.cell // 2
@@ -309,6 +330,7 @@ class Field:
         self.ux = 0  # direction of travel over the last few lengths, * 2**10
         self.uy = 1024
         self._stage = 0
+        self._lean = 0
         self._k = 0
         self.corner_x = 0  # of the field in use, 1/8 mm mod 2**16
         self.corner_y = 0
@@ -324,13 +346,14 @@ class Field:
 
             self._reach, self._stamps = field_tables.stamps(config.robot_width, config.robot_length, config.avoid_margin, self.cell, self._stamps)
             if self._ways is None:
-                if self.knows_nose:
+                if self._straight:
                     from field_ways import ways
 
                     self._ways = ways(sum(config.axles_spacings), config.axles_first, self.cell)
                     del ways
                 else:
                     self._ways = field_tables.steps(config.robot_length, self.cell)
+                    field_tables.inward(self._inward)
             del field_tables
         finally:
             forget("field_tables", "field_ways")
@@ -365,6 +388,11 @@ class Field:
         if stage == 0:
             half = self.cell * (_N // 2)
             job = self._job
+            if self.builds:
+                middle = self.cell // 2
+                x = ((odometry.x >> 5) - job[0] & 0xFFFF ^ 0x8000) - 0x8000
+                y = ((odometry.y >> 5) - job[1] & 0xFFFF ^ 0x8000) - 0x8000
+                self._lean = field_nose.lean(self.cost, (x + middle) // self.cell, (y + middle) // self.cell, odometry.heading // 100)
             job[0] = ((odometry.x >> 5) - half) & 0xFFFF
             job[1] = ((odometry.y >> 5) - half) & 0xFFFF
             _clear(self.cost, self._closed, self._tight, self._queue, self._weight)
@@ -382,32 +410,19 @@ class Field:
             if self._k >= points.count:
                 self._stage = 3
         elif stage == 3:
-            if self.knows_nose:
-                self._tell_nose(odometry)
-            _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state)
+            field_nose.tell(odometry.heading // 100, self._lean, self._state, self._closed)
+            _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state, self._inward)
             self._stage = 4
         elif stage == 4:
             if self._spread(self.cost, self._closed, self._tight, self._weight, self._queue, self._ways, self._state, self._poses):
                 self.corner_x = self._job[0]
                 self.corner_y = self._job[1]
                 self._stage = 0
-                self.ready = True
                 self.builds += 1
-                return True
+                # The very first one does not know to which side the way leads on.
+                self.ready = self.builds > 1
+                return self.ready
         return False
-
-    def _tell_nose(self, odometry):
-        """Which way the nose points in each orientation: as near as may be to where it points now. The orientation square to that is closed."""
-        now = (odometry.heading + 7500) // 15000
-        sense = 0
-        for t in range(_TURNS):
-            off = (t - now) % (2 * _TURNS)
-            if 6 < off < 18:
-                sense |= 1 << t
-        self._state[3] = sense
-        first = (now + 6) % _TURNS * _N
-        for row in range(first, first + _N):
-            self._closed[row] = 0x3FFFFFFF
 
     def at(self, x, y, heading):
         """Cost of a pose on the floor (1/8 mm mod 2**16, 0.1 deg), mm, relative to others of this field."""

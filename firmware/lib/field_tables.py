@@ -6,16 +6,18 @@ from math import cos, pi, sin, tan
 from micropython import const
 
 _TURNS = const(12)
+_INWARD = const(480)  # 30 cells: more than twice what turning round on the spot costs
 _WAYS = ((-1, 1), (0, 1), (1, 1), (-1, 0), (1, 0), (-1, -1), (0, -1), (1, -1))
 
 
 def stamps(width, length, margin, cell, table=None):
     """(reach, table): which poses a point closes, for field.py to lay on its rows.
 
-    width, length, margin: mm; cell: 1/8 mm; table: one made before, to be filled again in place. A point stands in the middle of one of the four half cells of a place; for each of them, each
-    orientation and each row of the grid from `reach` below the point to `reach` above it, two words with a bit for each column, bit 8 the point's
-    own: poses whose full outline, with the margin, covers the point, and those whose outline made smaller does. Poses in which a point comes into
-    the outline proper are dear; closed are only those in which it comes well into it, or narrow passages would close on the grid.
+    width, length, margin: mm; cell: 1/8 mm; table: one made before, to be filled again in place. A point stands in the middle of one of the four
+    half cells of a place; for each of them, each orientation and each row of the grid from `reach` below the point to `reach` above it, two words
+    with a bit for each column, bit 8 the point's own: poses whose full outline, with the margin, covers the point, and those whose outline made
+    smaller does. Poses in which a point comes into the outline proper are dear; closed are only those in which it comes well into it, or narrow
+    passages would close on the grid.
     """
     full = width * 4 + margin * 8, length * 4 + margin * 8
     small = width * 4 - cell * 3 // 10, length * 4 - cell * 6 // 10
@@ -70,3 +72,12 @@ def steps(length, cell):
     # a step of turning moves the ends of the body by length / 2 * pi / 12; somewhat more than half of that
     table[8 * _TURNS] = round(16 * (length / 2 * pi / _TURNS) * 8 * 0.6 / cell)
     return table
+
+
+def inward(table):
+    """Fill array('H') of 24: what leaving past the far rim (y greatest) costs more for the nose's heading, sixteenths of a cell.
+
+    Nothing with the nose on the way out, most with the rear ahead.
+    """
+    for h in range(2 * _TURNS):
+        table[h] = max(0, round(-_INWARD * cos(h * pi / _TURNS)))

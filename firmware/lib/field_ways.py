@@ -10,7 +10,7 @@ from math import cos, pi, sin, tan
 _TURNS = 12
 _STEERING = pi / 3  # AF on the tightest circle
 _ASIDE = 20  # times dearer is a way square to the body: it takes much to and fro
-_BACK = 4  # times as dear is one driven backward: two changes of direction come with it
+_BACK = 6  # times as dear is one driven backward: changes of direction come with it
 _ROUND = ((-1, 1), (0, 1), (1, 1), (-1, 0), (1, 0), (-1, -1), (0, -1), (1, -1))
 _ALONG = ((0, 1), (1, 4), (1, 2), (1, 1), (2, 1), (4, 1), (1, 0), (4, -1), (2, -1), (1, -1), (1, -2), (1, -4))
 

@@ -110,7 +110,7 @@ class Pairs:
         )
         number = best(scores, first, last, stride)
         if number != NOTHING:
-            value = self._score[at] + scores[number] + self._worth.against(second, number)
+            value = self._score[at] + scores[number]
             if value < self._least:
                 self._least = value
                 self.found = True

@@ -19,11 +19,11 @@ NOTHING = const(65535)
 def _ends(cost, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, score: ptr16, job: ptr32):
     """What each travel of each candidate is worth: score[5 k + i] = travel + cost of the pose where it ends, mm.
 
-    65535 where the travel is longer than the candidate's free length. job: x, y of the body in the grid (1/8 mm), sine,
+    65535 where the travel is longer than the candidate's free length. job: x, y of the body in the grid (1/8 mm, + 2**15), sine,
     cosine (2**14, + 2**14), flip x, flip y (0/1), cell, first, last, stride, heading (0.1 deg)
     """
-    x0 = job[0]
-    y0 = job[1]
+    x0 = job[0] - 32768
+    y0 = job[1] - 32768
     s = job[2] - 16384
     c = job[3] - 16384
     flip_x = job[4]
@@ -201,12 +201,13 @@ class Worth:
         c = cos14(a)
         x, y = self.x + ((x * c + y * s + 1024) >> 11), self.y + ((y * c - x * s + 1024) >> 11)
         a += heading
-        job[0] = ((x - field.corner_x) & 0xFFFF ^ 0x8000) - 0x8000
-        job[1] = ((y - field.corner_y) & 0xFFFF ^ 0x8000) - 0x8000
+        # Nothing negative: words have no sign in viper where pointers are longer than they.
+        job[0] = (x - field.corner_x) & 0xFFFF ^ 0x8000
+        job[1] = (y - field.corner_y) & 0xFFFF ^ 0x8000
         job[2] = sin14(a) + 16384
         job[3] = cos14(a) + 16384
         job[6] = field.cell
-        job[10] = a
+        job[10] = a % 3600
         return field.at(x, y, a)
 
     def score(self, variant, free, soft, scores, first, last, stride, af, ar, extra):
@@ -231,30 +232,3 @@ class Worth:
         job[5] = ar + 1800
         job[9] = extra
         _weigh(scores, free, soft, env.af, env.ar, env.lengths, job)
-
-    def against(self, variant, move):
-        """What it costs, mm, that the nose does not point where the way leads on after a move, if the field knows no front from rear.
-
-        The cost of leaving should fall ahead of the nose; how much it does not is counted.
-        """
-        env = self._envelopes
-        field = self._field
-        if field.knows_nose:
-            return 0
-        job = self._job
-        x = env.ends[2 * move] - 8192
-        y = env.ends[2 * move + 1] - 8192
-        turn = env.turns[move]
-        if variant & 1:
-            x = -x
-            turn = -turn
-        if variant & 2:
-            y = -y
-            turn = -turn
-        s = job[2] - 16384
-        c = job[3] - 16384
-        x, y = job[0] + field.corner_x + ((x * c + y * s + 1024) >> 11), job[1] + field.corner_y + ((y * c - x * s + 1024) >> 11)
-        heading = job[10] + turn
-        ahead = env.half_length >> 1
-        loss = field.at(x + (ahead * sin14(heading) + 1024 >> 11), y + (ahead * cos14(heading) + 1024 >> 11), heading) - field.at(x, y, heading) + (ahead >> 1)
-        return min(max(loss, 0), 2 * ahead)

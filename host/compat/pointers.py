@@ -1,5 +1,8 @@
 """viper's pointer types for CPython: unsigned views of a buffer's memory."""
 
+from array import array
+
+_SHORT = 64  # longer ones are tables, and would take too long to look through
 _SIZES = {"B": 1, "H": 2, "I": 4}
 
 
@@ -21,7 +24,12 @@ def ptr16(buffer):
 
 
 def ptr32(buffer):
-    """Words of a buffer, 0..2**32 - 1 each."""
+    """Words of a buffer, 0..2**32 - 1 each. ValueError if a short list of signed words holds a negative one.
+
+    Such a word is negative in viper on the ESP32, but not where pointers have 64 bits.
+    """
+    if isinstance(buffer, array) and buffer.typecode == "i" and len(buffer) <= _SHORT and min(buffer) < 0:
+        raise ValueError(f"word {buffer.index(min(buffer))} handed to viper is {min(buffer)}: add a bias to it, or take it modulo a turn")
     return _view(buffer, "I")
 
 

@@ -17,11 +17,13 @@ _TWIN = image.BOARD.parent
 # The disc round the body, and the one as wide as it; each looks as far ahead as serves it best.
 _DISCS = {
     plan.DISC_ROUND: ("sqrt(config.robot_length ** 2 + config.robot_width ** 2) / 2", "radius(config) + 225"),
-    plan.DISC_NARROW: ("config.robot_width / 2", "700 + config.robot_length // 2"),
+    plan.DISC_NARROW: ("config.robot_width / 2", "LOOK_AHEAD + config.robot_length // 2"),
 }
 _DISC = '''"""The disc that the body is taken for: its radius, and how far it looks, mm."""
 
 from math import sqrt
+
+from scanning import LOOK_AHEAD
 
 
 def radius(config):

@@ -58,6 +58,34 @@ def test_ground_covered_is_dear():
     assert _at(field, 0, -400) > before + 20
 
 
+def test_leaving_rear_first_is_dear():
+    # A corridor in which the body cannot turn round; the way on is the same, the nose points on or back.
+    walls = _Points((-190, -1000, -190, 1000), (190, -1000, 190, 1000))
+    odometry = Still()
+    on = _at(_built(walls), 0, 0)
+    odometry.heading = 180000
+    back = _at(_built(walls, None, odometry), 0, 0)
+    assert 1400 < back - on < 2100
+    # In the open it leaves square at worst: half a turn of the nose is never more than the turn on the spot.
+    assert _at(_built(_Points(), None, odometry), 0, 0) - _at(_built(_Points()), 0, 0) < 900
+
+
+def test_mirrored_rooms_cost_the_same():
+    for nose in (0, 30, 90, 150):
+        _mirrored(nose)
+
+
+def _mirrored(nose):
+    # No point stands on the edge of a half cell, which has no mirror image.
+    odometry = Still()
+    odometry.heading = nose * 1000
+    field = _built(_Points((-260, -890, -260, 390), (-260, 390, 890, 390), (260, -890, 260, -90), (260, -90, 890, -90)), None, odometry)
+    odometry.heading = (360 - nose) % 360 * 1000
+    other = _built(_Points((260, -890, 260, 390), (260, 390, -890, 390), (-260, -890, -260, -90), (-260, -90, -890, -90)), None, odometry)
+    for x, y, heading in ((0, 0, 0), (50, -100, 150), (-50, -200, -80), (400, 150, 700), (120, 60, 330)):
+        assert abs(_at(field, x, y, heading) - _at(other, -x, y, -heading)) <= 12
+
+
 def _naws():
     return Field(Config({"mode": "NAWS"}))
 
