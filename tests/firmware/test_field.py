@@ -72,18 +72,22 @@ def test_leaving_rear_first_is_dear():
 
 def test_mirrored_rooms_cost_the_same():
     for nose in (0, 30, 90, 150):
-        _mirrored(nose)
+        _mirrored("AWS", nose)
 
 
-def _mirrored(nose):
+def _mirrored(mode, nose):
+    """The field of a corridor that turns right, for a nose at so many degrees; that of its mirror image costs the same."""
     # No point stands on the edge of a half cell, which has no mirror image.
     odometry = Still()
     odometry.heading = nose * 1000
-    field = _built(_Points((-260, -890, -260, 390), (-260, 390, 890, 390), (260, -890, 260, -90), (260, -90, 890, -90)), None, odometry)
+    walls = _Points((-260, -890, -260, 390), (-260, 390, 890, 390), (260, -890, 260, -90), (260, -90, 890, -90))
+    field = _built(walls, Field(Config({"mode": mode})), odometry)
     odometry.heading = (360 - nose) % 360 * 1000
-    other = _built(_Points((260, -890, 260, 390), (260, 390, -890, 390), (-260, -890, -260, -90), (-260, -90, -890, -90)), None, odometry)
+    walls = _Points((260, -890, 260, 390), (260, 390, -890, 390), (-260, -890, -260, -90), (-260, -90, -890, -90))
+    other = _built(walls, Field(Config({"mode": mode})), odometry)
     for x, y, heading in ((0, 0, 0), (50, -100, 150), (-50, -200, -80), (400, 150, 700), (120, 60, 330)):
         assert abs(_at(field, x, y, heading) - _at(other, -x, y, -heading)) <= 12
+    return field
 
 
 def _naws():
@@ -103,11 +107,7 @@ def test_with_the_last_axle_straight_what_lies_beside_the_body_is_far():
 
 
 def test_with_the_last_axle_straight_mirrored_rooms_cost_the_same():
-    # No point stands on the edge of a half cell, which has no mirror image.
-    field = _built(_Points((-260, -890, -260, 390), (-260, 390, 890, 390), (260, -890, 260, -90), (260, -90, 890, -90)), _naws())
-    other = _built(_Points((260, -890, 260, 390), (260, 390, -890, 390), (-260, -890, -260, -90), (-260, -90, -890, -90)), _naws())
-    for x, y, heading in ((0, 0, 0), (50, -100, 150), (-50, -200, -80), (400, 150, 700), (120, 60, 330)):
-        assert abs(_at(field, x, y, heading) - _at(other, -x, y, -heading)) <= 12
+    field = _mirrored("NAWS", 0)
     # The turn right is driven forward: nearer to its end is cheaper.
     assert _at(field, 500, 150, 750) < _at(field, 150, 60, 400) < _at(field, -50, -250, 0)
 

@@ -18,14 +18,12 @@ def _costs(slope_x, slope_y, closed=()):
 
 
 def test_it_leans_by_half_the_bearing_of_the_way_out():
-    for heading in (0, 900, 1800, 2700):
-        # towards +y and towards +x: bearings 0 and 90
-        assert lean(_costs(0, 9), 15, 15, 0) == 0
-        assert lean(_costs(9, 0), 15, 15, 0) == 3
-        assert lean(_costs(-9, 0), 15, 15, 0) == -3
-        assert lean(_costs(9, 0), 15, 15, heading) == {0: 3, 900: 0, 1800: -3, 2700: 0}[heading]
-    # behind
-    assert lean(_costs(0, -9), 15, 15, 0) == 0
+    assert lean(_costs(0, 9), 15, 15, 0) == 0
+    assert lean(_costs(-9, 0), 15, 15, 0) == -3
+    # The way out is at a bearing of 90 degrees, ahead, at -90 and behind.
+    costs = _costs(9, 0)
+    assert [lean(costs, 15, 15, heading) for heading in (0, 900, 1800, 2700)] == [3, 0, -3, 0]
+    assert lean(_costs(0, -9), 15, 15, 0) == 0  # behind
 
 
 def test_no_way_out_no_lean():
