@@ -7,7 +7,7 @@ from micropython import const
 
 from once import forget
 
-BOARD_SIZE = const(2176)
+BOARD_SIZE = const(2048)
 SIZE = 2 * BOARD_SIZE if sys.maxsize >> 31 else BOARD_SIZE  # with words of 64 bits code takes twice as much
 LEAST = const(1536)
 _STEP = const(256)
