@@ -31,13 +31,14 @@ from avoid import Avoid
 
 avoid = Avoid(config)  # its tables are large: they come first, while the heap is still in one piece
 
-from room import Room
+from constructors import drop
 
-room = Room()  # while there is still room
+drop(avoid)
 
 from drive import Drive
 from link_start import start_link
 from pca9685 import PCA9685
+from room import Room
 from settings import Settings
 from steering import Steering
 
@@ -58,6 +59,7 @@ try:
 except OSError as error:
     print("gapseeker: cannot start:", error)
     raise
+room = Room()
 link = start_link(config, Settings(config, drive, avoid, room), names, machine)
 del build_drive, start_link  # their room is the others' from now on
 forget("link_start", "version")
@@ -93,7 +95,10 @@ def build():
 
 robot = build()
 del build
-gc.collect()
+drop(robot)
+del drop
+forget("constructors")
+room.take()
 gc.threshold(-1)
 
 try:

@@ -32,7 +32,7 @@ class Envelopes:
     af, ar                     array 'h', 0.1 deg
     ends, turns                for each candidate and each of LENGTHS travels (`lengths`, mm) where the body's centre comes to lie,
                                x, y, mm + 8192, and how far it has turned clockwise, 0.1 deg
-    consts, table, seconds     of the arcs: see envelope_arcs.py; strips of the others: see envelope_strips.py
+    consts, table, seconds     of the arcs: see envelope_arcs.py, envelope_rings.py; strips of the others: see envelope_strips.py
     half_width, half_length, look_ahead, margin, soft    mm
     end_x, end_y, end_turn     what travel() found
 
@@ -100,7 +100,7 @@ class Envelopes:
 
         The robot must stand: nothing else happens meanwhile. All arrays stay the same objects. What was derived from the attributes in mm
         has to be derived again (Avoid: look_ahead, _swing; Field: its shape), and a decision begun with the old tables to be given up.
-        MemoryError, with the old tables whole, if the heap has no room for the code that makes them, some 3 kB. Settings.tune() lets the
+        MemoryError, with the old tables whole, if the heap has no room for the code that makes them, some 2 kB. Settings.tune() lets the
         robot stand, makes room, calls Avoid.configure(), and refuses the change if that raises MemoryError.
         """
         before = self.margin, self.soft, self.look_ahead
@@ -118,20 +118,15 @@ class Envelopes:
             raise RuntimeError("no room to make the envelope tables whole again: restart") from None
 
     def _fill(self, margin, soft, look_ahead):
-        """The code comes in two parts, one after the other: together they would be more than the heap has to spare."""
-        try:
-            from envelope_arcs import fill
-
-            self.margin = -1  # neither the old tables nor the new ones
-            fill(self, margin, soft, look_ahead)
-            del fill
-            forget("envelope_arcs")
-            from envelope_strips import fill
-
-            fill(self, margin, soft)
-            del fill
-        finally:
-            forget("envelope_arcs", "envelope_strips")
+        """The code comes in parts, one after the other: together they would be more than the heap has to spare."""
+        for name in ("envelope_arcs", "envelope_rings", "envelope_strips"):
+            try:
+                part = __import__(name)
+                self.margin = -1  # neither the old tables nor the new ones
+                part.fill(self, margin, soft, look_ahead)
+            finally:
+                part = None
+                forget(name)
         self.margin = margin
         self.soft = soft
         self.look_ahead = look_ahead

@@ -9,7 +9,7 @@ _LENGTHS = const(5)
 _STRIDE = const(8)
 
 
-def fill(env, margin, soft):
+def fill(env, margin, soft, look_ahead):
     """strips: what of each strip sweep.py reads; ends, turns for the lengths of `env`. margin, soft: mm."""
     for k in range(env.count - env.arcs):
         _fill_strip(env, k, margin, soft)

@@ -1,4 +1,4 @@
-"""The candidates of envelope.py and room for their tables, once at the start. What fills them: envelope_arcs.py, envelope_strips.py."""
+"""The candidates of envelope.py and room for their tables, once at the start. What fills them: envelope_arcs.py, envelope_rings.py, envelope_strips.py."""
 
 from array import array
 from math import pi, tan

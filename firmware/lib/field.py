@@ -32,7 +32,8 @@ _N = const(30)
 _TURNS = const(12)
 _PLACES = const(900)
 _STATES = const(10800)
-_TRAIL_POINTS = const(120)
+_TRAIL_POINTS = const(120)  # one each cell's length
+_TRAIL_GAP = const(10)  # those behind the centre that are still under the body
 
 
 @micropython.viper
@@ -170,7 +171,7 @@ def _close(closed: ptr32, tight: ptr32, stamps: ptr16, seen: ptr32, fx: ptr16, f
 def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32, inward: ptr16):
     """Open poses on the rim are exits; those in the direction (ux, uy) * 2**10 are the cheapest.
 
-    inward: what each of 24 headings of the nose adds on the far rim (field_tables.inward()). state[3]: of field_nose.tell().
+    inward: what each of 24 headings of the nose adds on the far rim (field_steps.inward()). state[3]: of field_nose.tell().
     The rim is the last row and column but one: the outermost are closed, which spares _spread() to look where the grid ends.
     """
     tail = 0
@@ -230,67 +231,80 @@ def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32
 
 
 @micropython.viper
-def sample(cost: ptr16, x: int, y: int, heading: int, cell: int) -> int:
-    """Cost at a pose, mm: trilinear between grid poses. x, y from the grid's corner (1/8 mm), heading in 0.1 deg, any int.
+def sample(cost: ptr16, poses: ptr32, n: int, cell: int):
+    """Cost at n poses, mm, put in the place of their x: trilinear between the grid's. 20000 where a pose is closed, or beyond the grid.
 
-    20000 where the pose is closed, or beyond the grid.
+    poses: x, y from the grid's corner (1/8 mm) + 2**16, heading (0.1 deg), none negative.
     """
     half = cell >> 1
-    x -= half
-    y -= half
     limit = cell * 28 - 1
-    # A body beyond the grid may meet what the field knows nothing of.
-    if x < 0 or y < 0 or x > limit + cell or y > limit + cell:
-        return 20000
-    if x < cell:
-        x = cell
-    if y < cell:
-        y = cell
-    if x > limit:
-        x = limit
-    if y > limit:
-        y = limit
-    i = x // cell
-    j = y // cell
-    # Weights in sixteenths, rounded: a mirrored field gives the mirrored cost.
-    fx = (((x - i * cell) << 4) + half) // cell
-    fy = (((y - j * cell) << 4) + half) // cell
-    heading = heading % 1800
-    t = heading // 150
-    ft = (((heading - t * 150) << 4) + 75) // 150
-    least = 32767
-    total = 0
-    closed = 0
-    a = 0
-    while a < 8:
-        tt = t
-        wt = 16 - ft
-        if a >> 2:
-            wt = ft
-            tt += 1
-            if tt == 12:
-                tt = 0
-        if (a >> 1) & 1:
-            wt = wt * fy
-        else:
-            wt = wt * (16 - fy)
-        if a & 1:
-            wt = wt * fx
-        else:
-            wt = wt * (16 - fx)
-        if wt:
-            v = cost[(tt * 30 + j + ((a >> 1) & 1)) * 30 + i + (a & 1)]
-            if v == 32767:
-                closed += wt
-            else:
-                total += v * wt
-                if v < least:
-                    least = v
-        a += 1
-    if least == 32767:
-        return 20000
-    total += (least + 48) * closed  # closed: a little dearer than the best pose round about
-    return ((total >> 8) * cell) >> 11  # a cost unit is cell / 128 mm
+    last = n * 3
+    p = 0
+    while p < last:
+        x = poses[p] - 65536 - half
+        y = poses[p + 1] - 65536 - half
+        value = 20000
+        # A body beyond the grid may meet what the field knows nothing of.
+        if x >= 0 and y >= 0 and x <= limit + cell and y <= limit + cell:
+            if x < cell:
+                x = cell
+            if y < cell:
+                y = cell
+            if x > limit:
+                x = limit
+            if y > limit:
+                y = limit
+            i = x // cell
+            j = y // cell
+            # Weights in sixteenths, rounded: a mirrored field gives the mirrored cost.
+            fx = (((x - i * cell) << 4) + half) // cell
+            fy = (((y - j * cell) << 4) + half) // cell
+            heading = poses[p + 2] % 1800
+            t = heading // 150
+            ft = (((heading - t * 150) << 4) + 75) // 150
+            least = 32767
+            total = 0
+            closed = 0
+            at = (t * 30 + j) * 30 + i
+            gx = 16 - fx
+            a = 0
+            while a < 4:
+                # Two orientations, of each two rows, of each two places.
+                wt = 16 - fy
+                if a & 1:
+                    wt = fy
+                if a & 2:
+                    wt = wt * ft
+                else:
+                    wt = wt * (16 - ft)
+                if wt:
+                    if gx:
+                        v = cost[at]
+                        if v == 32767:
+                            closed += wt * gx
+                        else:
+                            total += v * wt * gx
+                            if v < least:
+                                least = v
+                    if fx:
+                        v = cost[at + 1]
+                        if v == 32767:
+                            closed += wt * fx
+                        else:
+                            total += v * wt * fx
+                            if v < least:
+                                least = v
+                a += 1
+                at += 30
+                if a == 2:
+                    at += 840
+                    if t == 11:
+                        at -= 10800
+            if least != 32767:
+                total += (least + 48) * closed  # closed: a little dearer than the best pose round about
+                value = ((total >> 8) * cell) >> 11  # a cost unit is cell / 128 mm
+        poses[p] = value
+        p += 3
 
 
 class Field:
@@ -298,7 +312,6 @@ class Field:
 
     def __init__(self, config):
         length = config.robot_length
-        width = config.robot_width
         self.cell = length * 8 // 12  # 1/8 mm
         self._stamps = None
         self._ways = None
@@ -308,7 +321,6 @@ class Field:
         else:
             from field_spread import spread
         self._spread = spread
-        self._poses = _POSES_STRAIGHT if self._straight else _POSES
         self._inward = array("H", bytes(48))
         self.refill(config)
         self._weight = bytearray(_PLACES)
@@ -320,15 +332,13 @@ class Field:
         self._state = array("i", [0, 0, 0, 0])  # of spread(); 3 as field_nose.tell() sets it
         # of the field being made: x, y of the corner (1/8 mm mod 2**16), cell, then what _cover() and _close() have as 3 and 4
         self._job = array("i", [0, 0, self.cell, 0, _POINTS])
-        self._trail_radius = width * 4 + self.cell // 2
+        self._radius = config.robot_width * 4 + self.cell // 2  # of what the trail makes dear
         self._tx = array("H", bytes(2 * _TRAIL_POINTS))
         self._ty = array("H", bytes(2 * _TRAIL_POINTS))
         self._trail = 0  # points laid so far
-        self._trail_step = length // 12
-        self._trail_gap = 10  # points behind the centre that are still under the body
-        self._drift = length * 5 // 2  # mm over which the sense of direction forgets
         self.ux = 0  # direction of travel over the last few lengths, * 2**10
         self.uy = 1024
+        self._pose = array("i", (0, 0, 0))  # for at()
         self._stage = 0
         self._lean = 0
         self._k = 0
@@ -340,11 +350,13 @@ class Field:
         self._py = 0
 
     def refill(self, config):
-        """Make the tables anew, in place, with the margin of the config. MemoryError if the heap has no room for the code that makes them, some 3 kB."""
+        """Make the tables anew, in place, with the margin of the config. MemoryError if the heap has no room for the code that makes them, some 2 kB."""
         try:
-            import field_tables
+            from field_stamps import stamps
 
-            self._reach, self._stamps = field_tables.stamps(config.robot_width, config.robot_length, config.avoid_margin, self.cell, self._stamps)
+            self._reach, self._stamps = stamps(config.robot_width, config.robot_length, config.avoid_margin, self.cell, self._stamps)
+            del stamps
+            forget("field_stamps")
             if self._ways is None:
                 if self._straight:
                     from field_ways import ways
@@ -352,11 +364,13 @@ class Field:
                     self._ways = ways(sum(config.axles_spacings), config.axles_first, self.cell)
                     del ways
                 else:
-                    self._ways = field_tables.steps(config.robot_length, self.cell)
-                    field_tables.inward(self._inward)
-            del field_tables
+                    from field_steps import inward, steps
+
+                    self._ways = steps(config.robot_length, self.cell)
+                    inward(self._inward)
+                    del inward, steps
         finally:
-            forget("field_tables", "field_ways")
+            forget("field_stamps", "field_steps", "field_ways")
         self._stage = 0
 
     def follow(self, odometry):
@@ -368,7 +382,7 @@ class Field:
             self._py = y
         dx = (x - self._px) >> 8
         dy = (y - self._py) >> 8
-        step = self._trail_step
+        step = self.cell >> 3
         if self._trail and dx * dx + dy * dy < step * step:
             return
         i = self._trail % _TRAIL_POINTS
@@ -377,8 +391,8 @@ class Field:
         self._trail += 1
         self._px = x
         self._py = y
-        # First-order low pass over the way travelled.
-        d = self._drift
+        # First-order low pass over the way travelled: 2.5 body lengths.
+        d = self.cell * 15 >> 2
         self.ux += (dx * 1024 - self.ux * step) // d
         self.uy += (dy * 1024 - self.uy * step) // d
 
@@ -399,9 +413,9 @@ class Field:
             self._stage = 1
         elif stage == 1:
             # Ground covered makes dear ground, dearer each time; not what the body still stands on.
-            self._job[3] = self._trail_radius
+            self._job[3] = self._radius
             first = self._trail - _TRAIL_POINTS
-            _cover(self._weight, self._tx, self._ty, self._job, first if first > 0 else 0, self._trail - self._trail_gap)
+            _cover(self._weight, self._tx, self._ty, self._job, first if first > 0 else 0, self._trail - _TRAIL_GAP)
             self._job[3] = self._reach
             self._k = 0
             self._stage = 2
@@ -414,7 +428,7 @@ class Field:
             _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state, self._inward)
             self._stage = 4
         elif stage == 4:
-            if self._spread(self.cost, self._closed, self._tight, self._weight, self._queue, self._ways, self._state, self._poses):
+            if self._spread(self.cost, self._closed, self._tight, self._weight, self._queue, self._ways, self._state, _POSES_STRAIGHT if self._straight else _POSES):
                 self.corner_x = self._job[0]
                 self.corner_y = self._job[1]
                 self._stage = 0
@@ -428,4 +442,9 @@ class Field:
         """Cost of a pose on the floor (1/8 mm mod 2**16, 0.1 deg), mm, relative to others of this field."""
         u = ((x - self.corner_x) & 0xFFFF ^ 0x8000) - 0x8000
         v = ((y - self.corner_y) & 0xFFFF ^ 0x8000) - 0x8000
-        return sample(self.cost, u, v, heading, self.cell)
+        pose = self._pose
+        pose[0] = u + 65536
+        pose[1] = v + 65536
+        pose[2] = heading % 1800
+        sample(self.cost, pose, 1, self.cell)
+        return pose[0]

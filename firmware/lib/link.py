@@ -46,7 +46,7 @@ class Link:
         self.radio = any(carrier.signed for carrier in carriers)
         self._encoder = Encoder(datagrams=self.radio)
         self._report = Report(self._encoder, identity, names)
-        self._scan = ScanGatherer(config.lidar_frames, settings.room)
+        self._scan = ScanGatherer(config.lidar_frames)
         self._settings = settings
         self._config = config
         self.dropped = 0

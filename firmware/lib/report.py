@@ -127,12 +127,11 @@ class Report:
 
 
 class ScanGatherer:
-    """Gathers lidar frames into one SCAN message: a whole turn, or as much of it as fits a frame. In the buffer of a Room."""
+    """Gathers lidar frames into one SCAN message: a whole turn, or as much of it as fits a frame."""
 
-    def __init__(self, frames_a_turn, room):
+    def __init__(self, frames_a_turn):
         self._turn = frames_a_turn
-        self._room = room
-        self._loans = 0  # of the room, when the gathering began
+        self._data = bytearray(telemetry.MAX_PAYLOAD)
         self._used = 0
         self._frames = 0
         self.ready = False
@@ -141,12 +140,11 @@ class ScanGatherer:
         """Take in the frame the lidar has just delivered; what was ready and not taken gives way."""
         count = lidar.n
         size = calcsize(telemetry.SCAN_FORMAT) + 2 * count
-        data = self._room.buffer
-        if self.ready or self._loans != self._room.loans:
-            self._loans = self._room.loans
+        data = self._data
+        if self.ready:
             self._used = self._frames = 0
             self.ready = False
-        if not count or data is None or self._used + size > telemetry.MAX_PAYLOAD:
+        if not count or self._used + size > telemetry.MAX_PAYLOAD:
             return
         at = self._used
         struct.pack_into(
@@ -159,11 +157,9 @@ class ScanGatherer:
         self.ready = self._frames == self._turn or self._used + size > telemetry.MAX_PAYLOAD
 
     def take(self, encoder):
-        """Put what is ready into a SCAN frame; returns its size, 0 if it has been lost meanwhile."""
+        """Put what is ready into a SCAN frame; returns its size."""
         self.ready = False
-        if self._loans != self._room.loans:
-            return 0
         size = self._used
-        copy(self._room.buffer, 0, size, encoder.data, HEADER)
+        copy(self._data, 0, size, encoder.data, HEADER)
         self._used = self._frames = 0
         return encoder.seal(telemetry.SCAN, size)

@@ -1,48 +1,54 @@
-"""A piece of the heap kept in one piece, for what a person asks for now and then: the code for it is loaded then, and let go again."""
+"""A reserve in the heap for what a person asks for now and then: the code for it is loaded then, and let go again."""
 
 import gc
-import sys
 
 from micropython import const
 
 from once import forget
 
-BOARD_SIZE = const(2048)
-SIZE = 2 * BOARD_SIZE if sys.maxsize >> 31 else BOARD_SIZE  # with words of 64 bits code takes twice as much
-LEAST = const(1536)
-_STEP = const(256)
+_BLOCKS = const(4)
+_WORDS = const(112)
+_LEAST = const(16)
+BOARD_SIZE = const(1792)  # bytes: 4 * 112 words of 32 bits; with words of 64 bits it is twice as much, as is the code
 
 
 class Room:
-    """buffer: bytearray of LEAST to SIZE bytes, for whoever can do without what is in it: another one, or None, after each loan, so look it
-    up at each use. loans: how many there have been.
+    """The reserve; empty until take().
 
         with room.lend("module"):
-            from module import ...      # in a heap that has SIZE bytes more; at the end the modules are let go
+            from module import ...      # in a heap that has the reserve more; at the end the modules are let go
+
+    Blocks, because a heap that is nearly full has no large piece left to take back. Lists, because one that is cleared gives its words back at
+    once: a buffer that is only dropped lives on as long as anything on the stack looks like its address.
     """
 
     def __init__(self):
-        self.buffer = bytearray(SIZE)
-        self.loans = 0
+        self._kept = [[] for _ in range(_BLOCKS)]
         self._modules = ()
 
     def lend(self, *modules):
-        """The context in which the buffer is heap, and the modules may be loaded."""
+        """The context in which the reserve is heap, and the modules may be loaded."""
         self._modules = modules
         return self
 
     def __enter__(self):
-        self.buffer = None
-        self.loans += 1
+        for block in self._kept:
+            block.clear()
         gc.collect()
 
     def __exit__(self, *error):
         forget(*self._modules)
+        self.take()
+
+    def take(self):
+        """Take the reserve, or what can be had of it, out of the heap."""
         gc.collect()
-        # Something small may have settled there for a while.
-        size = SIZE
-        while self.buffer is None and size >= LEAST:
-            try:
-                self.buffer = bytearray(size)
-            except MemoryError:
-                size -= _STEP
+        for i in range(_BLOCKS):
+            # Something small may have settled there: half a block is better than none.
+            words = _WORDS
+            while words >= _LEAST:
+                try:
+                    self._kept[i] = [None] * words
+                    break
+                except MemoryError:
+                    words //= 2

@@ -29,13 +29,19 @@ class Settings:
         if self._avoid.envelopes.outdated(config):
             self._drive.stop()
             with self.room.lend():
-                try:
-                    self._avoid.configure()
-                except MemoryError:
+                if not self._configured():
                     config.set(key, before)
                     self._avoid.configure()
-                    raise ValueError("%s: no memory to make the planner's tables anew; edit robot.json and restart" % key) from None
+                    raise ValueError("%s: no memory to make the planner's tables anew; edit robot.json and restart" % key)
         self._changed[key] = value
+
+    def _configured(self):
+        """Whether there was memory for it; the error, which holds on to some, is gone at the end."""
+        try:
+            self._avoid.configure()
+        except MemoryError:
+            return False
+        return True
 
     def point(self, wheel, angle):
         """Turn one wheel alone, 0.1 deg. ValueError unless the robot stands."""

@@ -15,8 +15,8 @@ from . import image
 ENGINES = ("micropython", "cpython")
 ADVANCE, READ, FLUSH, RESET = 1, 2, 3, 4
 I2C_WRITE, PIN, PWM_DUTY, PWM_FREQUENCY, UART_OUTPUT = 1, 2, 3, 4, 5
-REPLY, PAYLOAD, CHUNKS = 1024, 176, 4
-# Stands for about 100 kB on the ESP32, as pointers are twice as long here; some 13 kB of it go to the emulated board.
+REPLY, SHORT, PAYLOAD, CHUNKS = 1024, 256, 176, 4
+# Stands for about 100 kB on the ESP32, as pointers are twice as long here; some 15 kB of it go to the emulated board.
 HEAP = "200k"
 SILENCE_S = 20.0
 
@@ -80,6 +80,7 @@ class Process:
             self._poll.register(descriptor, select.POLLIN)
             self._readers[descriptor] = reader
         self._gathered = b""
+        self._asked = FLUSH  # kind of the latest request
         self._closed = False
 
     def receive(self):
@@ -96,17 +97,18 @@ class Process:
                 raise FirmwareStopped(self._last_words())
         data, self._gathered = self._gathered, b""
         _, kind, address, size, now, target, *probe, overflows = _REQUEST.unpack_from(data)
+        self._asked = kind
         return Request(kind, address, size, now, target, tuple(probe), overflows, list(_events(data)))
 
     def answer(self, horizon, levels, addresses, adc, chunks=(), payload=b""):
-        """Answer the request. chunks: [(time of the first byte, bytes, GPIO, baud rate)]."""
+        """Answer the request. chunks, to ADVANCE only: [(time of the first byte, bytes, GPIO, baud rate)]."""
         words = [horizon, levels, _mask(addresses, 0), _mask(addresses, 60), adc, len(chunks)]
         for time, data, gpio, baud in chunks:
             words += (time, len(data), gpio, baud)
             payload += data
         head = struct.pack(f"<{len(words)}q", *words)
         try:
-            os.write(self._to_board, (head.ljust(PAYLOAD, b"\0") + payload).ljust(REPLY, b"\0"))
+            os.write(self._to_board, (head.ljust(PAYLOAD, b"\0") + payload).ljust(REPLY if self._asked == ADVANCE else SHORT, b"\0"))
         except BrokenPipeError:
             pass  # the next receive says why
 

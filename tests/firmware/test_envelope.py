@@ -161,4 +161,4 @@ def _fail_once(fill):
 def test_the_code_that_fills_the_tables_is_let_go():
     Envelopes(Config())
     if sys.implementation.name == "micropython":
-        assert not [name for name in sys.modules if name in ("envelope_tables", "envelope_arcs", "envelope_strips")]
+        assert not [name for name in sys.modules if name in ("envelope_tables", "envelope_arcs", "envelope_rings", "envelope_strips")]

@@ -1,20 +1,35 @@
 """room.py: the heap's reserve."""
 
+import gc
 import sys
 
-from room import LEAST, SIZE, Room
+from room import BOARD_SIZE, Room
+
+WORD = 8 if sys.maxsize >> 31 else 4
 
 
-def test_the_buffer_is_another_one_after_each_loan():
+def _kept(room):
+    return sum([len(block) for block in room._kept]) * WORD
+
+
+def test_the_reserve_is_heap_while_it_is_lent():
     room = Room()
-    room.buffer[SIZE - 1] = 7
+    room.take()
+    whole = BOARD_SIZE * WORD // 4
+    assert _kept(room) == whole
+    looked_up = list(room._kept)  # whoever still has the blocks must not keep their memory from being used
+    gc.collect()
+    before = gc.mem_alloc() if sys.implementation.name == "micropython" else 0
     with room.lend():
-        assert room.buffer is None
-    assert room.loans == 1 and room.buffer[SIZE - 1] == 0
+        assert _kept(room) == 0
+        if before:
+            assert before - gc.mem_alloc() > whole * 3 // 4, (before, gc.mem_alloc())
+    assert _kept(room) == whole and len(looked_up[0]) == 0
 
 
 def test_modules_are_let_go_whatever_happens():
     room = Room()
+    room.take()
     try:
         with room.lend("keep"):
             import keep
@@ -23,30 +38,36 @@ def test_modules_are_let_go_whatever_happens():
             raise ValueError
     except ValueError:
         pass
-    assert room.buffer is not None
+    assert _kept(room)
     if sys.implementation.name == "micropython":
         assert "keep" not in sys.modules
 
 
-def test_without_memory_there_is_none_for_now():
-    import room as module
+class _Narrow:
+    """Takes back one block, then there is no memory left."""
 
+    def __init__(self, blocks):
+        self.blocks = blocks
+
+    def __iter__(self):
+        return iter(self.blocks)
+
+    def __setitem__(self, index, block):
+        if index:
+            raise MemoryError("memory allocation failed")
+        self.blocks[index] = block
+
+
+def test_without_memory_the_reserve_is_smaller_for_now():
     room = Room()
-    module.bytearray = lambda size: _fail() if size > LEAST else bytearray(size)
+    room.take()
+    whole = _kept(room)
+    plenty = room._kept
+    room._kept = _Narrow(plenty)
     with room.lend():
         pass
-    assert len(room.buffer) == LEAST
-    module.bytearray = lambda size: _fail()
-    try:
-        with room.lend():
-            pass
-    finally:
-        del module.bytearray
-    assert room.buffer is None
+    assert 0 < _kept(room) < whole
+    room._kept = plenty
     with room.lend():
         pass
-    assert len(room.buffer) == SIZE
-
-
-def _fail():
-    raise MemoryError("memory allocation failed")
+    assert _kept(room) == whole

@@ -18,7 +18,7 @@ A request (firmware to twin, little-endian):
                     I2C write: address, number of data bytes; pin: GPIO, level; PWM duty: GPIO, 0..65535; PWM frequency: GPIO, Hz (up to
                     65535); UART output: GPIO of tx, number of data bytes
 
-The answer is REPLY bytes, always:
+The answer is REPLY bytes to ADVANCE, SHORT bytes to the others, always:
 
     words of 64 bits    0 horizon; 1 levels of the input pins, bit = GPIO; 2 and 3 I2C addresses that acknowledge (0..59, 60..119);
                         4 ADC reading 0..65535; 5 number of chunks, up to 4; 6.. chunks of four: time at which the first byte has
@@ -45,6 +45,7 @@ PWM_FREQUENCY = const(4)
 UART_OUTPUT = const(5)
 
 _REPLY = const(1024)
+_SHORT = const(256)
 _PAYLOAD = const(176)
 
 _HEADER = const(72)
@@ -65,7 +66,7 @@ _view = memoryview(_request)
 _used = _HEADER
 # "l", not "q": MicroPython makes an object of every "q" it reads.
 _reply = array("l", [0] * (_REPLY // 8))
-_answer = array("l", [0] * (_REPLY // 8))  # to _READ and _FLUSH: chunks still on the wire stay in _reply
+_answer = array("l", [0] * (_SHORT // 8))  # to _READ and _FLUSH: chunks still on the wire stay in _reply
 _inputs = _reply
 _taken = array("i", [0] * _CHUNKS)
 _receivers = {}  # by GPIO
@@ -144,7 +145,9 @@ def note(kind, where, value, data, count):
 
 
 def read(address, buffer, count):
-    """Fill buffer[:count] from an I2C device, whose register pointer has been set."""
+    """Fill buffer[:count] from an I2C device, whose register pointer has been set. ValueError if that is more than an answer holds."""
+    if count > _SHORT - _PAYLOAD:
+        raise ValueError("at most 80 bytes in one read")
     _exchange(_READ, address, count, now)
     copy(buffer, 0, _answer, _PAYLOAD, count)
 
@@ -212,7 +215,7 @@ def _exchange(kind, address, size, target):
         got = _from_twin.readinto(answer)
     except OSError:
         got = 0
-    if got != _REPLY:
+    if got != (_REPLY if kind == _ADVANCE else _SHORT):
         sys.exit(0)  # the twin has seen enough
     _used = _HEADER
     _inputs = answer

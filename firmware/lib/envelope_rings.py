@@ -1,0 +1,130 @@
+"""Where each ring enters the outline: the tables of envelope.py for candidates that turn. Loaded to fill them, then let go.
+
+Source: papers A section 4.2 and B section 3.2-3.3; the point rule (24) replaced by the whole swept body.
+"""
+
+from math import atan2, pi, sqrt
+
+from micropython import const
+
+_BIAS = const(8192)
+_BINS = const(24)
+_STRIDE = const(13)
+
+# Fields of a candidate's constants, of envelope_arcs.py; the last two are filled here.
+_XC = const(0)
+_YC = const(1)
+_IN = const(4)
+_BIN_SHIFT = const(6)
+_BIN_SCALE = const(7)
+_SECOND = const(11)  # of its bins with a second entry: place in `seconds` << 10 | first << 5 | how many
+_FRONT = const(12)  # least of all entries, and a little: no ring enters the outline farther on
+
+
+def fill(env, margin, soft, look_ahead):
+    """table, seconds and the rest of consts of each arc, for points within the margin (mm)."""
+    used = 0
+    for k in range(env.arcs):
+        used = _fill_arc(env, k, margin, used)
+
+
+def _fill_arc(env, k, margin, used):
+    """Returns how many of `seconds` are used afterwards."""
+    c = env.consts
+    b = k * _STRIDE
+    inner = c[b + _IN]
+    edges = _edges(env, c[b + _XC] - _BIAS, c[b + _YC] - _BIAS, margin)
+    width = 1048576 / c[b + _BIN_SCALE] * (1 << c[b + _BIN_SHIFT])  # of a bin, square mm
+    table = env.table
+    front = 65535
+    seconds = env.seconds
+    first_used = used
+    second_bin = 0
+    after = used  # the last bin with two entries ends here
+    for j in range(_BINS):
+        first, last = _bin(edges, inner + j * width, width)
+        for value in first + last:
+            if 0 < value < front:
+                front = value
+        t = (k * _BINS + j) * 4
+        for value in first:
+            table[t] = value & 0xFF
+            table[t + 1] = value >> 8
+            t += 2
+        if last != first and used == first_used:
+            second_bin = j
+        if last != first or used > first_used:
+            for value in last:
+                if used < len(seconds):
+                    seconds[used] = value
+                else:
+                    seconds.append(value)
+                used += 1
+            if last != first:
+                after = used
+    c[b + _FRONT] = front - 200
+    c[b + _SECOND] = first_used << 10 | second_bin << 5 | (after - first_used) >> 1
+    return after
+
+
+def _bin(edges, square, width):
+    """Where the rings of a bin enter first and last, each at the bin's two ends; 0 where they do not. square: of its least radius."""
+    low = _entries(edges, square + 0.02 * width)
+    high = _entries(edges, square + 0.98 * width)
+    if not low:
+        low = high
+    if not high:
+        high = low
+    if not low:
+        return (0, 0), (0, 0)
+    if len(low) != len(high):  # a second arc begins within the bin
+        both = low if len(low) > len(high) else high
+        return (both[0], both[0]), (both[-1], both[-1])
+    first = low[0], high[0]
+    last = low[-1], high[-1]
+    middle = _entries(edges, square + 0.5 * width)
+    if len(middle) == len(low):
+        # Where the outline bends towards the point a straight line would come late.
+        first = _not_late(first, middle[0])
+        last = _not_late(last, middle[-1])
+    return first, last
+
+
+def _not_late(ends, middle):
+    """Both ends of a bin moved so that the line between them does not pass its middle."""
+    late = (ends[0] + ends[1]) // 2 - middle
+    return (ends[0] - late, ends[1] - late) if late > 0 else ends
+
+
+def _edges(env, xc, yc, margin):
+    """Right, front, left and rear edge of the outline plus margin, seen from the centre: where, squared; then its ends, low and high.
+
+    Made once a candidate: on the board every float is an object.
+    """
+    hw = env.half_width + margin
+    hl = env.half_length + margin
+    left, right = -hw - xc, hw - xc
+    rear, front = -hl - yc, hl - yc
+    return (
+        (right, right * right, rear - 0.01, front + 0.01), (front, front * front, left - 0.01, right + 0.01),
+        (left, left * left, rear - 0.01, front + 0.01), (rear, rear * rear, left - 0.01, right + 0.01),
+    )  # fmt: skip
+
+
+def _entries(edges, square):
+    """Angles (1/65536 turn, anticlockwise from +x about the centre) where the ring enters the outline; square: of its radius."""
+    found = []
+    for edge in range(4):
+        where, squared, low, high = edges[edge]
+        q = square - squared
+        if q < 0:
+            continue
+        # right side, entered leftwards; front, downwards; left side, rightwards; rear, upwards
+        q = sqrt(q)
+        if edge == 1 or edge == 2:
+            q = -q
+        if low <= q <= high:
+            angle = atan2(where, q) if edge & 1 else atan2(q, where)
+            found.append(int(angle * 32768 / pi) & 0xFFFF)
+    found.sort()
+    return found

@@ -1,0 +1,35 @@
+"""What steps on the grid of field.py cost, for a body whose wheels all steer. Computed once at the start."""
+
+from array import array
+from math import cos, pi, sin
+
+from micropython import const
+
+_TURNS = const(12)
+_INWARD = const(480)  # 30 cells: more than twice what turning round on the spot costs
+_WAYS = ((-1, 1), (0, 1), (1, 1), (-1, 0), (1, 0), (-1, -1), (0, -1), (1, -1))
+
+
+def steps(length, cell):
+    """Cost of a step to each of 8 neighbours for each orientation, then of a turn by one orientation; sixteenths of a cell."""
+    table = array("H", [0] * (8 * _TURNS + 1))
+    for t in range(_TURNS):
+        s = sin(t * pi / _TURNS)
+        c = cos(t * pi / _TURNS)
+        for d, (x, y) in enumerate(_WAYS):
+            r = (x * x + y * y) ** 0.5
+            across = (x * c - y * s) / r
+            # sideways costs half as much again: it is slow to set up
+            table[t * 8 + d] = round(16 * r * (1 + 0.5 * across * across))
+    # a step of turning moves the ends of the body by length / 2 * pi / 12; somewhat more than half of that
+    table[8 * _TURNS] = round(16 * (length / 2 * pi / _TURNS) * 8 * 0.6 / cell)
+    return table
+
+
+def inward(table):
+    """Fill array('H') of 24: what leaving past the far rim (y greatest) costs more for the nose's heading, sixteenths of a cell.
+
+    Nothing with the nose on the way out, most with the rear ahead.
+    """
+    for h in range(2 * _TURNS):
+        table[h] = max(0, round(-_INWARD * cos(h * pi / _TURNS)))
