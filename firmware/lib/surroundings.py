@@ -55,7 +55,8 @@ _UNIT = const(14)
 _COARSE = const(15)  # farther than this, 1/8 mm, a cell is four
 _LIDAR_X = const(16)  # the lidar right of the body's centre and ahead of it, mm + 4096
 _LIDAR_Y = const(17)
-_STATES = const(18)
+_CLOSE = const(18)  # shortest range taken, quarter mm
+_STATES = const(19)
 
 
 _SQUARES = array("i")  # of ranges a quarter apart, mm**2
@@ -138,6 +139,7 @@ def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
     size = state[_CELL]
     per = state[_PER_CELL]
     reach = state[_REACH]
+    close = state[_CLOSE]
     far8 = state[_FAR]
     stamp = state[_FRAME]
     rolled = state[_TRAVEL]
@@ -146,7 +148,7 @@ def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
     i = 0
     while i < n:
         d = distances[i]
-        if d - 1 < reach and d:
+        if d <= reach and d >= close:
             a = h >> 13
             if a < 0:
                 a += 36000
@@ -481,7 +483,8 @@ class Surroundings:
         state[_FAR] = far8
         state[_CELL] = size
         state[_PER_CELL] = (1 << 20) // size
-        state[_REACH] = min(far8 * 7 // 10, 32000)
+        state[_REACH] = min(far8 * 7 // 10, 4 * config.lidar_far, 32000)
+        state[_CLOSE] = 4 * config.lidar_near
         while self.keep >> state[_UNIT] > _KEPT:
             state[_UNIT] += 1
         state[_KEEP] = self.keep >> state[_UNIT]

@@ -62,6 +62,13 @@ def test_a_lidar_that_sits_elsewhere():
         assert len(left) <= 1, (heading, left)
 
 
+def test_readings_out_of_the_range_of_the_lidar_are_not_used():
+    for values, distance, used in (({}, 190, False), ({}, 210, True), ({"near": 100}, 190, True), ({"far": 1000}, 1010, False), ({"far": 1000}, 990, True)):
+        memory = _Memory({"lidar": values})
+        memory.look(_post(distance))
+        assert bool(memory.seen()) == used, (values, distance)
+
+
 def test_what_comes_too_near_to_be_seen_is_remembered():
     memory = _Memory()
     memory.look(_post(400), 2)
