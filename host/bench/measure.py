@@ -14,7 +14,7 @@ from . import blocks, machine_code
 
 HERE = Path(__file__).resolve().parent
 HEAP = {"time": "192m", "count": "192m", "heap": "3m"}  # no collection of garbage falls into what is measured
-KINDS = ("", "poll", "place", "guard", "work", "update", "command", "points", "paper", "plain", "feed", "turn", "stop", "start")
+KINDS = ("", "poll", "place", "guard", "work", "update", "command", "points", "paper", "plain", "feed", "turn", "stop", "start", "paper_full")
 LIMIT_S = 300
 
 
@@ -50,15 +50,16 @@ class Bench:
                 (copy / path.relative_to(firmware)).write_text(cutter.counted[name])
             _, self.counted = image.compiled(copy)
 
-    def time(self, tape, again=(0, 0, 0), repeats=2):
+    def time(self, tape, again=(0, 0, 0, 0), repeats=2):
         """Log with microseconds here, the least of several plays.
 
-        again: of (so many decisions, so many are made by the papers' iteration as well, so many by the plain swept test), once, spread evenly.
+        again: of (so many decisions, so many of them made in full) so many are made by the papers' iteration as well, of the first and again of
+        the second, and of the second so many by the plain swept test; once, spread evenly.
         """
         first = self._play("time", tape, self.plain, *map(str, again)).rows
         for _ in range(repeats - 1):
-            more = self._play("time", tape, self.plain, "0", "0", "0").rows
-            alone = ~np.isin(first[:, 0], (KINDS.index("paper"), KINDS.index("plain")))
+            more = self._play("time", tape, self.plain, "0", "0", "0", "0").rows
+            alone = ~np.isin(first[:, 0], [KINDS.index(kind) for kind in ("paper", "paper_full", "plain")])
             if alone.sum() == len(more):
                 first[alone, 1] = np.minimum(first[alone, 1], more[:, 1])
         return Log(first)

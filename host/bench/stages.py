@@ -15,14 +15,15 @@ WORDS = {
     "act": "steering of all wheels, register bursts of three chips",
     "reaction": "last byte that shows something new to first register byte",
 }
-POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN, STOP, START = (KINDS.index(name) for name in KINDS[1:])
+POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN, STOP, START, PAPER_FULL = (KINDS.index(name) for name in KINDS[1:])
 
 
 @dataclass
 class Samples:
-    """What each occurrence of a stage took, us. `whole` is a decision with all its slices; points: (n, 2) points seen, in windows.
+    """What each occurrence of a stage took, us. `whole` is a decision with all its slices, but for those that only went on with a plan; points: (n, 2) points seen, in windows.
 
-    paper_of, plain_of: whole decisions that the baseline made too, in the same order.
+    paper, full, plain: what a baseline took; paper_of and so on: what the same decisions took here, in the same order. `paper` is of all decisions,
+    those among them that only went on with a plan, `full` and `plain` of those that are `whole`. count: of all decisions.
     """
 
     frame: list = field(default_factory=list)
@@ -33,23 +34,29 @@ class Samples:
     whole: list = field(default_factory=list)
     paper: list = field(default_factory=list)
     paper_of: list = field(default_factory=list)
+    full: list = field(default_factory=list)
+    full_of: list = field(default_factory=list)
     plain: list = field(default_factory=list)
     plain_of: list = field(default_factory=list)
     points: list = field(default_factory=list)
     start: list = field(default_factory=list)  # from the start of main.py to the first decision
+    count: int = 0
 
     def extend(self, other):
         """Add those of another tape."""
         for name, values in vars(other).items():
-            getattr(self, name).extend(values)
+            if name == "count":
+                self.count += values
+            else:
+                getattr(self, name).extend(values)
 
 
 def samples(log, modelled):
     """Samples of one log. modelled: its values are instructions on the ESP32, and the bus counts; else us here, and it does not."""
     out = Samples()
     scale = costs.us(1) if modelled else 1.0
-    frame = whole = command = started = 0.0
-    last = 0.0  # the decision made last, with all its slices
+    frame = whole = since = command = started = 0.0
+    last = last_whole = 0.0  # what the decision made last took: since the one before, and with all its slices if it was made in full
     period, before, turn, waited = 1e4, None, 0.0, 0.0
     pending = None  # what a reaction has taken until now, and when the guard saw it
     for kind, value, extra, now in log.rows.tolist():
@@ -71,12 +78,16 @@ def samples(log, modelled):
                 pending = (max(waited, turn - period) if modelled else 0.0) + frame + us, now
         elif kind == WORK:
             out.decision.append(us)
-            whole += us
+            whole += us if extra < 2 else 0.0
+            since += us
             if extra:
+                out.count += 1
+                last, since = since, 0.0
+            if extra == 1:
                 if not out.whole:
                     out.start.append(started + now)
                 out.whole.append(whole)
-                last, whole = whole, 0.0
+                last_whole, whole = whole, 0.0
         elif kind == COMMAND:
             command += us
         elif kind == STOP:
@@ -98,9 +109,12 @@ def samples(log, modelled):
         elif kind == PAPER:
             out.paper.append(us)
             out.paper_of.append(last)
+        elif kind == PAPER_FULL:
+            out.full.append(us)
+            out.full_of.append(last_whole)
         elif kind == PLAIN:
             out.plain.append(us)
-            out.plain_of.append(last)
+            out.plain_of.append(last_whole)
         elif kind == TURN:
             turn = extra * scale
         elif kind == START:
@@ -131,6 +145,7 @@ def figures(here, modelled, heap):
         "heap_bytes_per_loop": max(one["worst"] for one in heap),
         "buffers_bytes_esp32": max(one["buffers"] for one in heap),
         "ratio_to_paper": _ratio(here.paper, here.paper_of),
+        "ratio_to_paper_in_full": _ratio(here.full, here.full_of),
         "ratio_to_plain": _ratio(here.plain, here.plain_of),
     }
 

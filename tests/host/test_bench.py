@@ -92,6 +92,17 @@ def test_slices_make_a_decision_and_a_guard_makes_a_reaction():
     assert found.reaction == [pytest.approx(500 + 2000 + 1100)]
 
 
+def test_going_on_with_a_plan_is_no_decision_in_full():
+    log = type("Log", (), {"rows": np.array([
+        (stages.WORK, 50, 0, 0), (stages.WORK, 200, 1, 0), (stages.PAPER, 900, 7, 0), (stages.PAPER_FULL, 900, 7, 0),
+        (stages.WORK, 30, 0, 10), (stages.WORK, 10, 2, 10), (stages.PAPER, 800, 7, 10), (stages.WORK, 100, 1, 20), (stages.PAPER_FULL, 700, 7, 20),
+    ])})
+    found = stages.samples(log, modelled=False)
+    assert found.count == 3 and found.whole == [250, 130]
+    assert found.paper == [900, 800] and found.paper_of == [250, 40]
+    assert found.full == [900, 700] and found.full_of == [250, 130]
+
+
 def test_a_stop_by_the_guard_waits_for_no_servo_period():
     log = type("Log", (), {"rows": np.array([
         (stages.START, 1_200_000, 0, 0), (stages.POLL, 120_000, 500, 10_000), (stages.PLACE, 60_000, 0, 10_000),
@@ -115,7 +126,7 @@ def test_the_command_line_prints_one_object(monkeypatch, capsys):
         assert 0 < found["stages"][name]["worst_ms_esp32"] <= stages.BUDGET_MS[name], name
     assert found["heap_bytes_per_loop"] == 0 and 10_000 < found["buffers_bytes_esp32"] <= cli.BUFFERS_BUDGET
     assert 100 < found["start_ms_esp32"] <= cli.START_BUDGET_MS
-    assert found["ratio_to_plain"] > 1
+    assert found["ratio_to_plain"] > 1 and found["ratio_to_paper"] > 1 and found["ratio_to_paper_in_full"] > 1
 
 
 def test_a_firmware_that_is_not_there_is_named(capsys, tmp_path):

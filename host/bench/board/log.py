@@ -4,8 +4,8 @@ from array import array
 
 import lockstep
 
-POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN, STOP, START = range(1, 14)
-KINDS = 14
+POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN, STOP, START, PAPER_FULL = range(1, 15)
+KINDS = 15
 _ROWS = 300000
 
 rows = array("i", bytes(16 * _ROWS))

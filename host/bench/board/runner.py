@@ -1,8 +1,9 @@
 """Runs the firmware's main.py on a tape under MicroPython and writes down what each part of its loop took.
 
-    runner.py WHAT TAPE LOG TWIN_BOARD FIRMWARE BASELINES [DECISIONS PAPER PLAIN | COSTS]
+    runner.py WHAT TAPE LOG TWIN_BOARD FIRMWARE BASELINES [DECISIONS FULL PAPER PLAIN | COSTS]
 
-WHAT: time   microseconds of each part here; of DECISIONS decisions PAPER and PLAIN are made by the baselines too, spread evenly
+WHAT: time   microseconds of each part here; of DECISIONS decisions, FULL of which are made in full, the baselines make PAPER of all, PAPER and PLAIN of
+           those in full, spread evenly
       count  instructions on the ESP32: FIRMWARE has counters, COSTS (i32 each) says what each counted block costs
       heap   heap that the steady loop takes, and the bytes of all buffers
 LOG   time and count: the rows of log.py as i32. TURN is what the rest of a turn of the loop took, its extra the whole turn. count: after
@@ -41,7 +42,7 @@ def _measure():
         nonlocal watching
         robot = getattr(sys.modules.get("main"), "robot", None)
         if watching is None and robot is not None:
-            watching = watch.Counter(robot, sys.argv[7]) if _what == "count" else watch.Stopwatch(robot, clock, *[int(word) for word in sys.argv[7:10]])
+            watching = watch.Counter(robot, sys.argv[7]) if _what == "count" else watch.Stopwatch(robot, clock, *[int(word) for word in sys.argv[7:11]])
 
     def end():
         lockstep.on_step, lockstep.on_end = None, lambda: None  # the firmware switches off yet

@@ -6,7 +6,7 @@ from array import array
 import lockstep
 import log
 import micropython
-from log import COMMAND, FEED, GUARD, KINDS, PAPER, PLACE, PLAIN, POINTS, POLL, START, STOP, TURN, UPDATE, WORK
+from log import COMMAND, FEED, GUARD, KINDS, PAPER, PAPER_FULL, PLACE, PLAIN, POINTS, POLL, START, STOP, TURN, UPDATE, WORK
 
 
 class Watch:
@@ -66,15 +66,17 @@ class Watch:
         log.write(GUARD, value, 1 if out is True and self.robot.drive._set_v256 else 0)
 
     def after_work(self, value, out, waited):
-        log.write(WORK, value, 1 if out else 0)
+        avoid = self.robot.avoid
+        # Going on with a plan that still holds costs next to nothing: it is no decision to compare.
+        goes_on = out and avoid._plan and avoid._followed == avoid._ready
+        log.write(WORK, value, 2 if goes_on else 1 if out else 0)
         if out:
-            avoid = self.robot.avoid
             inside = 0
             for i in range(avoid.points_count):
                 if avoid.points_window[i]:
                     inside += 1
             log.write(POINTS, avoid.points_count, inside)
-            self.decided(avoid)
+            self.decided(avoid, not goes_on)
 
     def after_command(self, value, out, waited):
         log.write(COMMAND, value, 0)
@@ -87,25 +89,26 @@ class Watch:
         if waited:
             log.write(STOP, value, waited)
 
-    def decided(self, avoid):
+    def decided(self, avoid, in_full):
         pass
 
 
 class Stopwatch(Watch):
-    """Microseconds here. clock: the interpreter's own time module; of `decisions` the papers' iteration makes `paper_count` too, the plain
-    swept test `plain_count`, spread evenly."""
+    """Microseconds here. clock: the interpreter's own time module; of `decisions` the papers' iteration makes `paper_count` too, and as many of
+    the `full` ones made in full, of which the plain swept test makes `plain_count`, spread evenly."""
 
-    def __init__(self, robot, clock, decisions, paper_count, plain_count):
+    def __init__(self, robot, clock, decisions, full, paper_count, plain_count):
         import paper
         import plain
 
+        iteration = paper.Planner(robot.config)
+        # Of what the baseline makes again: of how many, how many, and which it is now.
         self.baselines = (
-            (PAPER, paper.Planner(robot.config), paper_count),
-            (PLAIN, plain.Planner(robot.config, robot.avoid.envelopes), plain_count),
+            (PAPER, iteration, False, decisions, paper_count, [0]),
+            (PAPER_FULL, iteration, True, full, paper_count, [0]),
+            (PLAIN, plain.Planner(robot.config, robot.avoid.envelopes), True, full, plain_count, [0]),
         )
-        self.decisions = decisions
         self.clock = clock
-        self.count = 0
         self.now = clock.ticks_us
         self.began = [0] * 8
         super().__init__(robot)
@@ -119,11 +122,13 @@ class Stopwatch(Watch):
     def resume(self):
         pass
 
-    def decided(self, avoid):
-        self.count += 1
+    def decided(self, avoid, in_full):
         # Now and then the decision is made by the baselines as well; the time that takes is nobody's.
-        for kind, planner, times in self.baselines:
-            if self.decisions == 0 or self.count * times // self.decisions == (self.count - 1) * times // self.decisions:
+        for kind, planner, full_only, of, times, count in self.baselines:
+            if of == 0 or (full_only and not in_full):
+                continue
+            count[0] += 1
+            if count[0] * times // of == (count[0] - 1) * times // of:
                 continue
             xs = [avoid.points_x[i] for i in range(avoid.points_count)]
             ys = [avoid.points_y[i] for i in range(avoid.points_count)]
