@@ -1,8 +1,8 @@
 """The decision: from what stands round the robot to (AF, AR, V), and why.
 
-One step of look-ahead: every candidate envelope (envelope.py) is tested against the points, and each travel it allows is
-worth its length plus the cost-to-leave (field.py) of the two ends of the body where it ends. When no single move gets
-on well, the best of all moves, backward ones included, are each followed by a second set: two moves are planned, and
+One step of look-ahead: each travel of every candidate envelope (envelope.py) is worth its length plus the cost of leaving (field.py)
+from where it ends, if the points allow it. Those that promise most are tested first: as soon as the best is known, the others need not be.
+When no single move gets on well, all are, and the best of all moves, backward ones included, are each followed by a second set: two moves are planned, and
 driven one after the other as long as the points agree.
 
 The work is cut into slices, one a call of `work()`; the guard that stops the robot for something new runs on every frame.
@@ -22,32 +22,36 @@ from steering import mode_of
 from surroundings import Surroundings
 from sweep import BAND_MM, Sweep, drop_behind, mirror, sort_near
 from windows import NO_ZONE, RED, Windows
-from worth import NOTHING, Worth, best
+from worth import NOTHING, Worth, best, in_a_slice
 
 _POINTS = const(320)
 _NO_POINT = const(32767)
-_SLICE = const(1800)  # candidate tests in one slice
-_OVERHEAD = const(76)  # what is done once for a candidate, its five ends valued above all, in tests
 _PATIENCE = const(5)  # times backing up on the same ground
 _BACKWARD = const(150)  # mm that a move backward costs for being one
 _BACKWARD_NAWS = const(300)  # ... where the robot drives worse that way
 
 # Stages of a decision.
 _IDLE = const(0)
-_RIGHT = const(1)
-_LEFT = const(2)
-_CHOOSE = const(3)
-_BACK_RIGHT = const(4)
-_BACK_LEFT = const(5)
-_PICK = const(6)
-_EXPAND = const(7)
-_SETTLE = const(8)
-_FIELD = const(9)
+_PROMISE = const(1)
+_BEST = const(2)
+_PROMISE_OTHER = const(3)  # to the other side
+_BEST_OTHER = const(4)
+_CHOOSE = const(5)
+_RIGHT = const(6)
+_LEFT = const(7)
+_CHOOSE_OF_ALL = const(8)
+_BACK_RIGHT = const(9)
+_BACK_LEFT = const(10)
+_PICK = const(11)
+_EXPAND = const(12)
+_SETTLE = const(13)
+_FIELD = const(14)
 
+# How far the robot may have gone since the field was made: parts of the look-ahead
+_FIT = const(6)
+_FRESH = const(10)
 
-def _in_a_slice(n):
-    """How many candidates are tested against n points in one slice, but for one."""
-    return _SLICE // (n + _OVERHEAD)
+_SINGLE = (reasons.ON, reasons.BEND, reasons.CRAB)
 
 
 class Avoid:
@@ -69,12 +73,15 @@ class Avoid:
         self._y = array("H", bytes(size))
         count = env.count
         self.free_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
-        self.soft_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
-        self._block = array("H", bytes(2 * count))  # of what was swept last
+        # Of what was swept last:
+        self._soft = array("H", bytes(2 * count))
+        self._block = array("H", bytes(2 * count))
+        self._least = NOTHING  # score of the best single move known
         self._score = tuple(array("H", b"\xff" * (2 * count * LENGTHS)) for _ in range(4))
         self._sweep = Sweep(env)
         self._worth = Worth(config, self.field, env)
-        self._pairs = Pairs(env, self._worth, self._sweep)
+        self._swept = bytearray(count)  # of the side that is being looked through
+        self._pairs = Pairs(env, self._worth, self._sweep, self._soft, self._block)
         self._n = 0
         self._near = 0
         self._backward = _BACKWARD if config.mode == "AWS" else _BACKWARD_NAWS
@@ -98,16 +105,20 @@ class Avoid:
         # The plan: first move until travel _until, then a second.
         self._plan = 0  # 0 none, 1 in the first move, 2 in the second
         self._until = 0
-        self._second_k = 0
-        self._second_variant = 0
-        self._second_length = 0
         self._limit = 0
         self._ready = 0
-        self._watched = 0
-        self._urgent = 0
         self._guarded = -1  # frame on which the present steering was looked at last
         self._followed = -1  # frame on which the plan was
-        self.reset_decision()
+        self.af = 0
+        self.ar = 0
+        self.v = 90
+        self.mode = 0
+        self.window = 0
+        self.zone = NO_ZONE
+        self.free = 0
+        self.block_x = _NO_POINT
+        self.block_y = _NO_POINT
+        self.why = reasons.WAITING
         self.decisions = 0
         self.configure()
 
@@ -127,25 +138,11 @@ class Avoid:
             self._stage = _FIELD
             self._renewing = False
             self._next = 0
-        self.cruise = c.drive_cruise
         self.look_ahead = self.envelopes.look_ahead
         self._swing = self.envelopes.half_width + self.envelopes.soft + self.envelopes.half_length // 2
-        self.full_speed = c.motors_full_speed
         self._worth.configure(c)
         self.windows.configure(c)
         self._changes = c.changes
-
-    def reset_decision(self):
-        self.af = 0
-        self.ar = 0
-        self.v = 90
-        self.mode = 0
-        self.window = 0
-        self.zone = NO_ZONE
-        self.free = 0
-        self.block_x = _NO_POINT
-        self.block_y = _NO_POINT
-        self.why = reasons.WAITING
 
     # ---- lidar frames
 
@@ -183,16 +180,14 @@ class Avoid:
         self.free = 0
         self.block_x = _NO_POINT
         self.block_y = _NO_POINT
-        self._watched += 1
-        if self._watched >= 8:
-            self._watched = 0
+        if self._ready & 7 == 0:
             self._tell()
 
     def _look(self, odometry):
         """The points as the body sees them now, those near the outline first, and the window of each."""
         env = self.envelopes
         n = self.points.view(odometry.x >> 5, odometry.y >> 5, (odometry.heading + 50) // 100, self._x, self._y, self.look_ahead + env.half_length)
-        self._urgent = self.windows.sort(self._x, self._y, n, env.soft + BAND_MM)
+        self.windows.sort(self._x, self._y, n, env.soft + BAND_MM)
         self._near = self.windows.near
         self._n = n
 
@@ -209,6 +204,29 @@ class Avoid:
         self._run(v, k, k + 1, 1, 0)
         return self.free_of[v][k]
 
+    def _promise_some(self, side):
+        """Value the next candidates ahead to one side as if nothing were in the way, as many as a slice allows. True when all are done."""
+        self._next = self._worth.promise(side, self.free_of[side], self._swept, self._score[side], self._next, 1, self.af, self.ar, 0)
+        if self._next < self.envelopes.count:
+            return False
+        self._next = 0
+        return True
+
+    def _run_best(self, side):
+        """Sweep those candidates ahead to one side that promise most, as many as a slice allows. True when the best of them is known."""
+        env = self.envelopes
+        scores = self._score[side]
+        self._mirror(side)
+        left = drop_behind(self._x, self._y, self._near, self._n, env.half_length + env.soft, self._swing)
+        self._sweep.aim(left, self._near, 1, env.lengths[0])
+        number = self._worth.keep_promises(
+            self._sweep, self._x, self._y, left, self.free_of[side], self._soft, self._block, self._swept, scores, self._least
+        )
+        self._mirror(side)
+        if number >= 0 and number != NOTHING:
+            self._least = scores[number]
+        return number >= 0
+
     def _run_some(self, variant):
         """Sweep and value the next candidates of one variant, as many as a slice allows. True when all are done."""
         env = self.envelopes
@@ -217,13 +235,13 @@ class Avoid:
             first = env.astern_first
         elif variant < 2 and env.ahead_end <= first < env.arcs:
             first = env.arcs
-        last = first + _in_a_slice(self._n) + 1
+        last = first + in_a_slice(self._n) + 1
         if variant < 2 and first < env.ahead_end:
             last = min(last, env.ahead_end)
         last = min(last, env.count)
         self._run(variant, first, last, 1, env.lengths[0])
         self._worth.score(
-            variant, self.free_of[variant], self.soft_of[variant], self._score[variant], first, last, 1, self.af, self.ar,
+            variant, self.free_of[variant], self._soft, self._score[variant], first, last, 1, self.af, self.ar,
             self._backward if variant & 2 else 0,
         )  # fmt: skip
         self._next = last
@@ -234,21 +252,20 @@ class Avoid:
 
     def _run(self, variant, first, last, stride, floor):
         """Sweep candidates first..last-1 in one variant."""
-        n = self._n
-        if variant & 1:
-            mirror(self._x, n)
-        if variant & 2:
-            mirror(self._y, n)
-        env = self.envelopes
-        left = n
+        self._mirror(variant)
+        left = self._n
         if last - first > 2:
-            left = drop_behind(self._x, self._y, self._near, n, env.half_length + env.soft, self._swing)
-        self._sweep.run(self._x, self._y, left, self._near, first, last, stride, floor, self.free_of[variant],
-                       self.soft_of[variant], self._block)
+            env = self.envelopes
+            left = drop_behind(self._x, self._y, self._near, left, env.half_length + env.soft, self._swing)
+        self._sweep.run(self._x, self._y, left, self._near, first, last, stride, floor, self.free_of[variant], self._soft, self._block)
+        self._mirror(variant)
+
+    def _mirror(self, variant):
+        """Turn the points about for a variant, or back."""
         if variant & 1:
-            mirror(self._x, n)
+            mirror(self._x, self._n)
         if variant & 2:
-            mirror(self._y, n)
+            mirror(self._y, self._n)
 
     # ---- the decision, slice by slice
 
@@ -267,7 +284,9 @@ class Avoid:
                 if self._plan and self._left(odometry) < self.look_ahead >> 2 and (self._renewing or not self._field_fits(odometry)):
                     self._renew_field(odometry)
                 return False
-            if self._plan == 0 and (self._ready < 20 or self._renewing or not self._field_fits(odometry)):
+            # For single moves it need not be as fresh as for pairs: these are made where it is narrow.
+            single = self.why in _SINGLE
+            if self._plan == 0 and (self._ready < 20 or self._renewing or not (self._field_fits(odometry, _FIT, 64) if single else self._field_fits(odometry))):
                 self._stage = _FIELD
                 return False
             if self._guarded != self._ready:
@@ -280,15 +299,19 @@ class Avoid:
                     return self._publish()
                 return False
             self._here = self._worth.stand(odometry)
-            self._stage = _RIGHT
+            # Where two moves were needed last, all candidates are likely to be.
+            self._stage = _PROMISE if single else _RIGHT
             self._next = 0
+            self._least = NOTHING
             return False
         env = self.envelopes
-        if stage == _RIGHT or stage == _LEFT:
-            if self._run_some(stage - _RIGHT):
+        if stage <= _BEST_OTHER:
+            # First to the side that was taken last: it is likely to set the measure for the other.
+            side = (self._variant ^ (stage >= _PROMISE_OTHER)) & 1
+            if self._run_best(side) if stage == _BEST or stage == _BEST_OTHER else self._promise_some(side):
                 self._stage = stage + 1
             return False
-        if stage == _CHOOSE:
+        if stage == _CHOOSE or stage == _CHOOSE_OF_ALL:
             if self._choose_one():
                 self._stage = _IDLE
                 self._decided_travel = odometry.travel256
@@ -296,16 +319,19 @@ class Avoid:
                 self.free = self._current_free()
                 return self._publish()
             # This takes longer. With little way left the robot stands meanwhile.
-            self._stage = _BACK_RIGHT
-            if self.v != 90 and self.free < env.lengths[2]:
+            self._stage = stage + 1
+            decided = self.v != 90 and self.free < env.lengths[2]
+            if decided:
                 self.v = 90
                 self.why = reasons.LOOKING
                 self._plan = 0
                 self._tell()
-                return True
-            return False
-        if stage == _BACK_RIGHT or stage == _BACK_LEFT:
-            if self._run_some(stage - _BACK_RIGHT + 2):
+            # Made while the robot stands it is fresh however long this takes, or the same would begin again and again.
+            if not self._field_fits(odometry, _FRESH, 0xFFFF):
+                self._stage = _FIELD
+            return decided
+        if stage <= _BACK_LEFT:
+            if self._run_some(stage - (_RIGHT if stage < _CHOOSE_OF_ALL else _BACK_RIGHT - 2)):
                 self._stage = stage + 1
                 if stage == _BACK_LEFT:
                     self._look_again()
@@ -318,7 +344,7 @@ class Avoid:
             return False
         if stage == _EXPAND:
             self.points_count = -1  # their arrays serve as room for points as seen from elsewhere
-            if pairs.expand(self._x, self._y, self._n, self.points_x, self.points_y, self._score[0], self.free_of, self._swing, _in_a_slice):
+            if pairs.expand(self._x, self._y, self._n, self.points_x, self.points_y, self._score[0], self.free_of, self._swing):
                 self._stage = _SETTLE
             return False
         self._stage = _IDLE
@@ -354,8 +380,8 @@ class Avoid:
             self._renewing = False
         return not self._renewing
 
-    def _field_fits(self, odometry):
-        """Whether the field in use still fits: the robot has hardly moved since and it is not old."""
+    def _field_fits(self, odometry, part=_FRESH, frames=40):
+        """Whether the field in use still fits: the robot has not moved by look-ahead / part since, hardly turned, and it is no older than that."""
         if not self.field.ready:
             return False
         dx = (odometry.x - self._field_x) >> 8
@@ -363,8 +389,8 @@ class Avoid:
         turned = (odometry.heading - self._field_heading) % 360000
         if turned > 180000:
             turned = 360000 - turned
-        near = self.look_ahead // 10
-        return dx * dx + dy * dy < near * near and turned < 8000 and self._ready - self._field_frame < 40
+        near = self.look_ahead // part
+        return dx * dx + dy * dy < near * near and turned < 8000 and self._ready - self._field_frame < frames
 
     def _left(self, odometry):
         """What is left of the move of the plan that is being driven, mm."""
@@ -422,52 +448,45 @@ class Avoid:
             self._limit = pairs.length[at]
             self._until = odometry.travel256 + (self._limit << 8)
             if pairs.found:
-                self._second_k = pairs.second_candidate
-                self._second_variant = pairs.second_variant
-                self._second_length = pairs.second_length
                 self.why = reasons.TURNED if v & 2 else reasons.LOOKING
             else:
-                self._second_k = -1
                 self.why = reasons.BACK if v & 2 else reasons.BEND
             return
         self._plan = 0
         # Nothing of the shortest travel: whatever gives most way, if any.
-        best = 0
-        for v in (0, 1, 2, 3):
-            free = self.free_of[v]
-            for k in range(env.count):
-                if free[k] > best:
-                    best = free[k]
-                    self._variant = v
-                    self._k = k
-        if best >= 12:
-            self._take(self._variant, self._k)
-            self._limit = best - 6
+        most = self._longest((0, 1, 2, 3), 11)
+        if most:
+            self._limit = most - 6
             self.why = reasons.CENTRE
         else:
             self._limit = 0
             self.free = 0
             self.why = reasons.BOXED
 
+    def _longest(self, variants, least):
+        """Take the candidate that is free farthest, of several the first; returns how far, mm, 0 if none is farther than least."""
+        found = -1
+        for v in variants:
+            free = self.free_of[v]
+            for k in range(self.envelopes.count):
+                if free[k] > least:
+                    least = free[k]
+                    variant = v
+                    found = k
+        if found < 0:
+            return 0
+        self._take(variant, found)
+        return least
+
     def _leave(self, odometry):
         """To and fro on the same ground has led nowhere: go back or on as far as anything goes, and look from there."""
         env = self.envelopes
-        best = env.lengths[2]
-        found = False
-        for v in (2, 3, 0, 1):
-            free = self.free_of[v]
-            for k in range(env.count):
-                if free[k] > best:
-                    best = free[k]
-                    self._variant = v
-                    self._k = k
-                    found = True
-        if not found:
+        most = self._longest((2, 3, 0, 1), env.lengths[2])
+        if not most:
             return False
-        self._take(self._variant, self._k)
-        self._second_k = -1
+        self._pairs.found = False  # no second move
         self._plan = 1
-        self._limit = min(best - env.lengths[0], env.lengths[3])
+        self._limit = min(most - env.lengths[0], env.lengths[3])
         self._until = odometry.travel256 + (self._limit << 8)
         self._reversals = 0
         self.why = reasons.AGAIN
@@ -495,15 +514,16 @@ class Avoid:
         self._followed = self._ready
         env = self.envelopes
         if left <= 4:
-            if self._plan == 1 and self._second_k >= 0:
-                v = self._second_variant
-                k = self._second_k
+            pairs = self._pairs
+            if self._plan == 1 and pairs.found:
+                v = pairs.second_variant
+                k = pairs.second_candidate
                 self._run(v, k, k + 1, 1, 0)
-                if self.free_of[v][k] >= min(self._second_length, env.lengths[1]):
+                if self.free_of[v][k] >= min(pairs.second_length, env.lengths[1]):
                     self._take(v, k)
                     self._plan = 2
-                    self._until = odometry.travel256 + (self._second_length << 8)
-                    self._limit = self._second_length
+                    self._limit = pairs.second_length
+                    self._until = odometry.travel256 + (self._limit << 8)
                     self.why = reasons.PLAN
                     return True
             self._plan = 0
@@ -522,14 +542,14 @@ class Avoid:
         room = self.free
         if self._limit < room:
             room = self._limit
-        cruise = self.cruise - 90
+        cruise = self.config.drive_cruise - 90
         # Stop within the free way: it takes about speed / 10 mm.
-        speed = (60 + room * 3) * 90 // self.full_speed
+        speed = (60 + room * 3) * 90 // self.config.motors_full_speed
         if speed > cruise:
             speed = cruise
-        if self.soft_of[v][k] < env.lengths[1] and speed > cruise * 4 // 5:
+        if self._soft[k] < env.lengths[1] and speed > cruise * 4 // 5:
             speed = cruise * 4 // 5
-        if 0 < self._urgent <= RED and speed > cruise // 2:
+        if 0 < self.windows.urgent <= RED and speed > cruise // 2:
             speed = cruise // 2
         if speed < 4:
             speed = 4
@@ -548,8 +568,7 @@ class Avoid:
 
     def _tell(self):
         """Count the decision and lay out what belongs to it for those who look on."""
-        w = self._urgent
-        self.window = w
+        self.window = self.windows.urgent
         self.zone = self.windows.zone()
         self.mode = mode_of(self.af, self.ar)
         self.decisions += 1

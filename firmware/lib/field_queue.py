@@ -4,7 +4,7 @@ import micropython
 from micropython import const
 
 LENGTH = const(1536)  # more than the poses of the rim, of which it holds most at first
-_STEP = const(96)  # 6 cells, in sixteenths
+_STEP = const(64)  # 4 cells, in sixteenths
 
 
 @micropython.viper

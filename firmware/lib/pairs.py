@@ -9,7 +9,7 @@ from envelope import LENGTHS
 from micropython import const
 from sweep import BAND_MM, drop_behind, mirror, move, sort_near
 from trig import cos14, sin14
-from worth import NOTHING, best, suppress
+from worth import NOTHING, best, in_a_slice, suppress
 
 _COARSE = const(6)  # first moves
 _FINE = const(6)  # more lengths of the best one
@@ -19,7 +19,9 @@ _TO_A_SIDE = const(60)  # mm that a second move costs for being one
 
 
 class Pairs:
-    """begin(), then pick() and expand() until each is True.
+    """soft, block: what a sweep finds, shared with others.
+
+    begin(), then pick() and expand() until each is True.
 
     count                     first moves found, best first: variant[0], candidate[0], length[0] (mm) is the best single one
     found                     whether a pair was
@@ -27,7 +29,7 @@ class Pairs:
     second_variant, second_candidate, second_length    its second move, mm
     """
 
-    def __init__(self, envelopes, worth, sweep):
+    def __init__(self, envelopes, worth, sweep, soft, block):
         self._envelopes = envelopes
         self._worth = worth
         self._sweep = sweep
@@ -36,8 +38,8 @@ class Pairs:
         self.length = array("H", bytes(2 * (_COARSE + _FINE)))
         self._score = array("i", bytes(4 * (_COARSE + _FINE)))
         self._free = array("H", bytes(2 * envelopes.count))
-        self._soft = array("H", bytes(2 * envelopes.count))
-        self._block = array("H", bytes(2 * envelopes.count))
+        self._soft = soft
+        self._block = block
         self._n = self._near = self._left = 0  # points as seen from the end of a first move: all, near ones, those not behind
         self._next = 0
         self.second_variant = self.second_candidate = self.second_length = 0
@@ -74,11 +76,11 @@ class Pairs:
         self.count = self._coarse = n + 1
         return self.count == _COARSE
 
-    def expand(self, px, py, n, qx, qy, scores, free_of, limit, tests):
+    def expand(self, px, py, n, qx, qy, scores, free_of, limit):
         """Second moves from where one first move ends, right and left, a slice of candidates at a time. True after the last.
 
         px, py: n points as at the beginning; qx, qy: room for as many; scores: room for those of one variant; free_of: free lengths of the
-        first moves; limit: see drop_behind(); tests: of a slice. Every other point and candidate does: the second move is looked at again, with
+        first moves; limit: see drop_behind(). Every other point and candidate does: the second move is looked at again, with
         all of them, before it is driven.
         """
         env = self._envelopes
@@ -103,7 +105,7 @@ class Pairs:
         if env.ahead_end <= first < env.arcs:
             first = env.arcs
         stride = 2 if first < env.arcs else 1
-        last = min(first + stride * (tests(self._left) + 1), env.ahead_end if stride == 2 else env.count)
+        last = min(first + stride * (in_a_slice(self._left) + 1), env.ahead_end if stride == 2 else env.count)
         self._sweep.run(qx, qy, self._left, self._near, first, last, stride, env.lengths[1], self._free, self._soft, self._block)
         self._worth.score(
             second, self._free, self._soft, scores, first, last, stride, env.af_of(variant, candidate), env.ar_of(variant, candidate), _TO_A_SIDE

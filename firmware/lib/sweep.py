@@ -410,6 +410,11 @@ class Sweep:
 
         px, py: n points, those near the outline first (`near` of them, see sort_near). Arcs shorter than floor mm are given up early.
         """
+        self.aim(n, near, stride, floor)
+        self.test(px, py, first, last, free, soft, block)
+
+    def aim(self, n, near, stride, floor):
+        """What several test() have in common; see run()."""
         env = self._envelopes
         job = self._job
         job[_NEAR] = near
@@ -422,8 +427,13 @@ class Sweep:
         job[_STRIDE] = stride
         job[_SOFT] = env.soft
         job[_BAND] = BAND_MM
+        job[_FIRST_STRIP] = env.arcs
+
+    def test(self, px, py, first, last, free, soft, block):
+        """run(), as aimed."""
+        env = self._envelopes
+        job = self._job
         arcs = env.arcs
-        job[_FIRST_STRIP] = arcs
         if first < arcs:
             job[_FIRST] = first
             job[_LAST] = last if last < arcs else arcs

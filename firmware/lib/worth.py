@@ -9,21 +9,31 @@ from array import array
 import micropython
 from micropython import const
 
+from envelope import LENGTHS
 from field import sample
 from trig import cos14, sin14
 
 NOTHING = const(65535)
+_SLICE = const(1800)  # candidate tests in one slice
+_OVERHEAD = const(76)  # what is done once for a candidate, its five ends valued above all, in tests
+_PICKING = const(190)  # ... to find and to test the one that promises most
+
+
+def in_a_slice(n):
+    """How many candidates are tested against n points in one slice, but for one."""
+    return _SLICE // (n + _OVERHEAD)
 
 
 @micropython.viper
-def _ends(cost, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, score: ptr16, job: ptr32):
+def _ends(cost, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, score: ptr16, job: ptr32, poses):
     """What each travel of each candidate is worth: score[5 k + i] = travel + cost of the pose where it ends, mm.
 
     65535 where the travel is longer than the candidate's free length. job: x, y of the body in the grid (1/8 mm, + 2**15), sine,
-    cosine (2**14, + 2**14), flip x, flip y (0/1), cell, first, last, stride, heading (0.1 deg)
+    cosine (2**14, + 2**14), flip x, flip y (0/1), cell, first, last, stride, heading (0.1 deg, 3600 to 7199); poses: room for 5, as for sample()
     """
-    x0 = job[0] - 32768
-    y0 = job[1] - 32768
+    pose = ptr32(poses)
+    x0 = job[0] + 32768
+    y0 = job[1] + 32768
     s = job[2] - 16384
     c = job[3] - 16384
     flip_x = job[4]
@@ -34,34 +44,42 @@ def _ends(cost, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, score: p
     stride = job[9]
     heading = job[10]
     while k < last:
+        n = 0
+        p = 0
+        at = k * 5
+        while n < 5 and lengths[n] <= free[k]:
+            px = ends[2 * at] - 8192
+            py = ends[2 * at + 1] - 8192
+            turn = (turns[at] ^ 0x8000) - 0x8000
+            if flip_x:
+                px = 0 - px
+                turn = 0 - turn
+            if flip_y:
+                py = 0 - py
+                turn = 0 - turn
+            pose[p] = x0 + ((px * c + py * s + 1024) >> 11)
+            pose[p + 1] = y0 + ((py * c - px * s + 1024) >> 11)
+            pose[p + 2] = heading + turn
+            n += 1
+            p += 3
+            at += 1
+        sample(cost, poses, n, cell)
+        at = k * 5
         i = 0
         while i < 5:
             value = 65535
-            at = k * 5 + i
-            if lengths[i] <= free[k]:
-                px = ends[2 * at] - 8192
-                py = ends[2 * at + 1] - 8192
-                turn = (turns[at] ^ 0x8000) - 0x8000
-                if flip_x:
-                    px = 0 - px
-                    turn = 0 - turn
-                if flip_y:
-                    py = 0 - py
-                    turn = 0 - turn
-                value = lengths[i] + int(sample(cost, x0 + ((px * c + py * s + 1024) >> 11), y0 + ((py * c - px * s + 1024) >> 11), heading + turn, cell))
-                if value > 65534:
-                    value = 65534
-            score[at] = value
+            if i < n:
+                value = lengths[i] + pose[i * 3]
+            score[at + i] = value
             i += 1
         k += stride
 
 
 @micropython.viper
-def _weigh(score: ptr16, free: ptr16, soft: ptr16, af: ptr16, ar: ptr16, lengths: ptr16, job: ptr32):
-    """Add what steering, change of steering, a closed way and narrow passing cost.
+def _weigh(score: ptr16, af: ptr16, ar: ptr16, job: ptr32):
+    """Add what steering and change of steering cost.
 
-    job: first, last, stride, sign (2 forward right, 0 forward left, 3, 1 backward), AF now + 1800, AR now + 1800, look-ahead,
-    steering weight, change weight (1/1024 mm per 0.1 deg), extra (mm)
+    job: first, last, stride, variant, AF now + 1800, AR now + 1800, (of _narrow), steering weight, change weight (1/1024 mm per 0.1 deg), extra (mm)
     """
     k = job[0]
     last = job[1]
@@ -69,7 +87,6 @@ def _weigh(score: ptr16, free: ptr16, soft: ptr16, af: ptr16, ar: ptr16, lengths
     variant = job[3]
     af0 = job[4] - 1800
     ar0 = job[5] - 1800
-    room = job[6]
     w_steer = job[7]
     w_change = job[8]
     extra = job[9]
@@ -102,13 +119,6 @@ def _weigh(score: ptr16, free: ptr16, soft: ptr16, af: ptr16, ar: ptr16, lengths
         if e < 0:
             e = 0 - e
         cost = ((cost + (d + e) * w_change) >> 10) + extra
-        # A way that closes soon, or narrowly passed, is dear whatever part of it is driven: the rest comes next.
-        f = free[k]
-        if f < room:
-            cost += (room - f) >> 1
-        f = soft[k]
-        if f < room:
-            cost += (room - f) >> 2
         i = 0
         while i < 5:
             v = score[k * 5 + i]
@@ -116,6 +126,49 @@ def _weigh(score: ptr16, free: ptr16, soft: ptr16, af: ptr16, ar: ptr16, lengths
                 score[k * 5 + i] = v + cost
             i += 1
         k += stride
+
+
+@micropython.viper
+def _narrow(score: ptr16, free: ptr16, soft: ptr16, lengths: ptr16, job: ptr32):
+    """Take out the travels longer than what is free; add what a closed way and narrow passing cost.
+
+    job: first, last, stride, ..., 6: the way that is to be free (mm)
+    """
+    k = job[0]
+    last = job[1]
+    stride = job[2]
+    room = job[6]
+    while k < last:
+        cost = 0
+        # A way that closes soon, or narrowly passed, is dear whatever part of it is driven: the rest comes next.
+        f = free[k]
+        if f < room:
+            cost = (room - f) >> 1
+        v = soft[k]
+        if v < room:
+            cost += (room - v) >> 2
+        i = 0
+        while i < 5:
+            v = score[k * 5 + i]
+            if lengths[i] > f:
+                score[k * 5 + i] = 65535
+            elif v < 65000:
+                score[k * 5 + i] = v + cost
+            i += 1
+        k += stride
+
+
+@micropython.viper
+def _forget(free: ptr16, swept: ptr8, score: ptr16, count: int):
+    k = 0
+    while k < count:
+        free[k] = 65535
+        swept[k] = 0
+        k += 1
+    k = 0
+    while k < count * 5:
+        score[k] = 65535
+        k += 1
 
 
 @micropython.viper
@@ -173,6 +226,7 @@ class Worth:
         self._envelopes = envelopes
         self._job = array("i", [0] * 11)
         self._weights = array("i", [0] * 10)
+        self._poses = array("i", [0] * 15)
         self.x = self.y = self.heading = 0
         self.configure(config)
 
@@ -207,7 +261,7 @@ class Worth:
         job[2] = sin14(a) + 16384
         job[3] = cos14(a) + 16384
         job[6] = field.cell
-        job[10] = a % 3600
+        job[10] = 3600 + a % 3600
         return field.at(x, y, a)
 
     def score(self, variant, free, soft, scores, first, last, stride, af, ar, extra):
@@ -215,6 +269,51 @@ class Worth:
 
         free, soft: their free lengths (sweep.py). af, ar: the steering now, 0.1 deg. extra: mm on all.
         """
+        self._value(variant, free, scores, first, last, stride, af, ar, extra)
+        self._lessen(free, soft, scores)
+
+    def promise(self, variant, free, swept, scores, first, stride, af, ar, extra):
+        """As score(), as if the way were free, from candidate `first` on, 0 to begin with, as many as a slice allows. Returns the next one.
+
+        stride: of the arcs; scores: NOTHING for what lies between. free: becomes 65535; swept: bytearray, 0. Both for keep_promises().
+        """
+        env = self._envelopes
+        if first == 0:
+            _forget(free, swept, scores, env.count)
+        if env.ahead_end <= first < env.arcs:
+            first = env.arcs
+        if first >= env.arcs:
+            stride = 1
+        last = min(first + stride * in_a_slice(0), env.ahead_end if first < env.ahead_end else env.count)
+        self._value(variant, free, scores, first, last, stride, af, ar, extra)
+        return last
+
+    def keep_promises(self, sweep, px, py, n, free, soft, block, swept, scores, most):
+        """Sweep those candidates that promise most, as sweep is aimed, until the best of all is known: no score gets better by it.
+
+        n: how many points that are. Returns its number, NOTHING if none is worth `most` or less, -1 if it takes another slice.
+        """
+        job = self._weights
+        job[2] = 1
+        count = self._envelopes.count
+        for _ in range(_SLICE // (n + _PICKING) + 1):
+            number = best(scores, 0, count, 1)
+            if number == NOTHING or scores[number] > most:
+                return NOTHING
+            k = number // LENGTHS
+            if swept[k]:
+                return number
+            sweep.test(px, py, k, k + 1, free, soft, block)
+            swept[k] = 1
+            job[0] = k
+            job[1] = k + 1
+            self._lessen(free, soft, scores)
+        return -1
+
+    def _lessen(self, free, soft, scores):
+        _narrow(scores, free, soft, self._envelopes.lengths, self._weights)
+
+    def _value(self, variant, free, scores, first, last, stride, af, ar, extra):
         env = self._envelopes
         job = self._job
         job[4] = variant & 1
@@ -222,7 +321,7 @@ class Worth:
         job[7] = first
         job[8] = last
         job[9] = stride
-        _ends(self._field.cost, env.ends, env.turns, free, env.lengths, scores, job)
+        _ends(self._field.cost, env.ends, env.turns, free, env.lengths, scores, job, self._poses)
         job = self._weights
         job[0] = first
         job[1] = last
@@ -231,4 +330,4 @@ class Worth:
         job[4] = af + 1800
         job[5] = ar + 1800
         job[9] = extra
-        _weigh(scores, free, soft, env.af, env.ar, env.lengths, job)
+        _weigh(scores, env.af, env.ar, job)

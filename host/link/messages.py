@@ -12,7 +12,7 @@ Every dict has `type`; angles are degrees, lengths mm, speeds mm/s or r/s, times
     parameter   key, value, default, low, high, unit, meaning, number, of
     log         level, text
     pose        time, x, y, heading: where the robot thinks it is, from where it was switched on
-    candidates  time, side ("right" or "left"), backward, list of {af, ar, free, chosen}
+    candidates  time, side ("right" or "left"), backward, list of {af, ar, free, chosen}; free is None where others promised more, so that it was not looked at
     reply       counter, command, status, text
     names       reasons, faults
 
@@ -39,6 +39,7 @@ import whole_frames  # noqa: E402
 STATES = ("stopped", "auto", "manual")
 STATUSES = ("ok", "refused")
 FULL_V256 = 90 * 256
+_NOT_LOOKED_AT = 65535  # free length of such a candidate
 _KNOWN = {key: {"default": default, "unit": unit, "meaning": meaning} for key, _, default, _, _, unit, meaning in schema.LIVE}
 
 
@@ -129,6 +130,8 @@ def _candidates(payload):
     rows = []
     for k in range(count):
         af, ar, free = values[k] / 10, values[count + k] / 10, values[2 * count + k]
+        if free == _NOT_LOOKED_AT:
+            free = None
         if variant & 1:
             af, ar = -af, -ar
         if variant & 2:

@@ -3,9 +3,12 @@
 import reasons
 from avoid import Avoid
 from config import Config
+from envelope import LENGTHS
 from rooms import Still
+from worth import NOTHING, best
 
 _config = Config()
+_CHOOSE = 5  # stage of a decision
 
 
 def _walls(*walls):
@@ -17,8 +20,8 @@ def _walls(*walls):
     return found
 
 
-def _decision(points):
-    """The Avoid after its first decision, for a robot that stands."""
+def _until(points, over, why=reasons.WAITING):
+    """The Avoid of a robot that stands, worked on until over(avoid, whether it has decided). why: what it decided before."""
     avoid = Avoid(_config)
     memory = avoid.points
     for k, (x, y) in enumerate(points):
@@ -26,12 +29,18 @@ def _decision(points):
         memory._fy[k] = 8 * y & 0xFFFF
     memory._state[0] = len(points)
     avoid._ready = 100
+    avoid.why = why
     odometry = Still()
     slices = 0
-    while not avoid.work(odometry):
+    while not over(avoid, avoid.work(odometry)):
         slices += 1
         assert slices < 200
     return avoid
+
+
+def _decision(points):
+    """The Avoid after its first decision."""
+    return _until(points, lambda avoid, decided: decided)
 
 
 def test_a_free_corridor_is_driven_straight():
@@ -56,6 +65,28 @@ def test_mirrored_points_give_the_mirrored_decision():
         right = _decision(points)
         left = _decision([(-x, y) for x, y in points])
         assert (left.af, left.ar, left.v, left.why) == (-right.af, -right.ar, right.v, right.why), (width, ahead, corner)
+
+
+def test_what_promises_most_is_the_best_of_all():
+    spared = 0
+    for width, ahead, corner in ((350, 1000, 900), (222, 498, -187), (302, 468, -203), (302, 700, 100), (400, 560, -100)):
+        avoid = _until(
+            _walls((-width, -803, -width, ahead), (-width, ahead, 903, ahead), (width, -803, width, corner), (width, corner, 903, corner)),
+            lambda avoid, decided: avoid._stage == _CHOOSE,
+            reasons.ON,
+        )
+        found = [_least(scores) for scores in avoid._score[:2]]
+        spared += avoid._swept.count(b"\0")
+        for side in (0, 1):
+            while not avoid._run_some(side):  # all of them
+                pass
+        assert min(found) == min([_least(scores) for scores in avoid._score[:2]]), (width, ahead, corner, found)
+    assert spared > 2 * avoid.envelopes.count  # of five sides of candidates
+
+
+def _least(scores):
+    number = best(scores, 0, len(scores) // LENGTHS, 1)
+    return (scores[number] if number != NOTHING else NOTHING), number
 
 
 def test_closed_all_round_it_stands():

@@ -1,5 +1,7 @@
 """envelope.py: a candidate in its four variants. pairs.py: first moves and the lengths tried of them."""
 
+from array import array
+
 from config import Config
 from envelope import LENGTHS, Envelopes
 from field import Field
@@ -36,7 +38,7 @@ def test_variants_are_mirrors():
 
 def _pairs():
     worth = Worth(_config, Field(_config), _env)
-    pairs = Pairs(_env, worth, Sweep(_env))
+    pairs = Pairs(_env, worth, Sweep(_env), *(array("H", bytes(2 * _env.count)) for _ in range(2)))
     scores = []
     for _ in range(4):
         scores.append([NOTHING] * (LENGTHS * _env.count))

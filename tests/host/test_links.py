@@ -100,11 +100,11 @@ def test_every_message_of_the_wire_becomes_a_dict():
     assert decoded["battery"] is None and decoded["lidar_ok"] and decoded["chips"] and not decoded["radio"] and decoded["worst"] == 4.0
     pose = messages.decode(telemetry.POSE, struct.pack(telemetry.POSE_FORMAT, 0, -256, 512, 90000))
     assert (pose["x"], pose["y"], pose["heading"]) == (-1.0, 2.0, 90.0)
-    values = (100, 0, -200, 0, 300, 700)  # two candidates: AF, AR, free
+    values = (100, 0, -200, 0, 300, 65535)  # two candidates: AF, AR, free; the second was not looked at
     for variant, first in ((0, (10, -20)), (1, (-10, 20)), (2, (20, -10)), (3, (-20, 10))):
         decoded = messages.decode(telemetry.CANDIDATES, struct.pack(telemetry.CANDIDATES_FORMAT + "4h2H", 0, variant, 1, 2, *values))
         assert (decoded["list"][0]["af"], decoded["list"][0]["ar"]) == first and decoded["backward"] == (variant > 1)
-        assert [row["free"] for row in decoded["list"]] == [300, 700] and [row["chosen"] for row in decoded["list"]] == [False, True]
+        assert [row["free"] for row in decoded["list"]] == [300, None] and [row["chosen"] for row in decoded["list"]] == [False, True]
     assert messages.decode(telemetry.LOG, b"\1low")["text"] == "low"
     reply = messages.decode(telemetry.REPLY, struct.pack(telemetry.REPLY_FORMAT, 3, telemetry.TUNE, telemetry.REFUSED) + b"no")
     assert reply == {"type": "reply", "counter": 3, "command": "tune", "status": "refused", "text": "no"}

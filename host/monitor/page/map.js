@@ -124,8 +124,9 @@ export class HeadUp {
       for (const one of list) {
         if (one.chosen) continue;
         const t = twist(body, one.af, one.ar);
-        const free = Math.min(one.free, ahead) * (backward ? -1 : 1);
-        const further = one.free >= ahead ? 0 : 60;
+        const told = one.free ?? ahead; // not looked at: the points tell all the same
+        const free = Math.min(told, ahead) * (backward ? -1 : 1);
+        const further = told >= ahead ? 0 : 60;
         ways.push({ t, backward, ...(this.seen ? firstHit(body, t, free, this.seen, margin - 3, 30, further) : { way: free, point: -1 }) });
       }
     }
