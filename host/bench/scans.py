@@ -27,6 +27,19 @@ COURSES = (
     {"course": "S-sharp", "width": 500, "seed": 1},
     *({"course": "random", "gap": gap, "seed": seed} for gap, seed in ((400, 1), (340, 3), (300, 4))),
 )
+ALL = (
+    *({"course": "Z", "width": width, "seed": seed} for width in (620, 600, 580, 550, 500, 450, 430, 415) for seed in (1, 2, 3)),
+    *({"course": "Z", "width": 500, "seed": seed, "changes": {"drive.cruise": 135}} for seed in (1, 2, 3)),
+    *({"course": "Z", "width": width, "seed": seed, "mode": "naws"} for width in (620, 600, 580, 550) for seed in (1, 2)),
+    *(
+        {"course": course, "width": width, "seed": 1, **way}
+        for course, widths in (("U", (670, 600, 550, 500, 450)), ("S", (650, 600, 550, 500, 450)), ("S-sharp", (650, 600, 550, 500, 450)))
+        for width in widths
+        for way in ({}, {"mirror": True}, {"reverse": True})
+    ),
+    *({"course": "bend", "width": width, "angle": angle, "seed": 1} for angle in (70, 80, 100, 110) for width in (550, 450)),
+    *({"course": "random", "gap": gap, "seed": seed} for gap in (400, 340, 300) for seed in (1, 2, 3, 4)),
+)
 QUICK = ({"course": "Z", "width": 550, "seed": 1, "limit_s": 6}, {"course": "random", "gap": 400, "seed": 1, "limit_s": 6})
 
 
@@ -55,9 +68,9 @@ def tapes(courses=COURSES, firmware=image.FIRMWARE, workers=2, each=None):
 
 def _record(course, folder, firmware):
     """The tapes of one course: the run as it was, and with surprises."""
-    name = " ".join(str(value) for value in course.values())
+    name = " ".join(_word(*item) for item in course.items())
     target = folder / hashlib.sha256(json.dumps(course, sort_keys=True).encode()).hexdigest()[:12]
-    robot = json.dumps(load_config(mode=course.get("mode")))
+    robot = json.dumps(load_config(mode=course.get("mode"), changes=course.get("changes")))
     if not target.with_suffix(".done").exists():
         with tempfile.TemporaryDirectory() as scratch:
             run(**{"limit_s": LIMIT_S, **course}, firmware=firmware, record=Path(scratch) / "run.rec")
@@ -69,6 +82,12 @@ def _record(course, folder, firmware):
         target.with_suffix(".done").touch()
     surprises = sorted(folder.glob(target.name + "-*.surprise"))
     return [Tape(name, target.with_suffix(".tape"), robot), *(Tape(name, path, robot, True) for path in surprises)]
+
+
+def _word(key, value):
+    if isinstance(value, dict):
+        return " ".join(f"{name}={one}" for name, one in value.items())
+    return key if value is True else str(value)
 
 
 def _read(path):

@@ -129,6 +129,17 @@ def test_the_command_line_prints_one_object(monkeypatch, capsys):
     assert found["ratio_to_plain"] > 1 and found["ratio_to_paper"] > 1 and found["ratio_to_paper_in_full"] > 1
 
 
+def test_the_worst_of_all_courses_is_told_with_its_course(monkeypatch, capsys):
+    courses = ({"course": "Z", "width": 550, "seed": 1, "limit_s": 3}, {"course": "U", "width": 600, "seed": 1, "mirror": True, "limit_s": 3})
+    monkeypatch.setattr(scans, "ALL", courses)
+    assert cli.main(["--all-courses"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    rows = {line.split()[0]: line for line in lines if line}
+    assert set(stages.BUDGET_MS) - {"reaction"} <= set(rows)
+    assert rows["decision"].endswith(("Z 550 1 3", "U 600 1 mirror 3")) or ", surprised" in rows["decision"]
+    assert "!" not in rows["decision"] and 100 < float(rows["start"].split()[1]) < cli.START_BUDGET_MS
+
+
 def test_a_firmware_that_is_not_there_is_named(capsys, tmp_path):
     assert cli.main(["--firmware", str(tmp_path)]) == 2
     assert "main.py" in capsys.readouterr().err
