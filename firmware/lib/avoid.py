@@ -73,14 +73,14 @@ class Avoid:
         self._y = array("H", bytes(size))
         count = env.count
         self.free_of = tuple(array("H", bytes(2 * count)) for _ in range(4))
-        # Of what was swept last:
+        # Of what was swept last: how far it is from being narrow, the point that ends it
         self._soft = array("H", bytes(2 * count))
         self._block = array("H", bytes(2 * count))
+        self._swept = bytearray(count)  # which candidates were, to the side that is being looked through
         self._least = NOTHING  # score of the best single move known
         self._score = tuple(array("H", b"\xff" * (2 * count * LENGTHS)) for _ in range(4))
         self._sweep = Sweep(env)
         self._worth = Worth(config, self.field, env)
-        self._swept = bytearray(count)  # of the side that is being looked through
         self._pairs = Pairs(env, self._worth, self._sweep, self._soft, self._block)
         self._n = 0
         self._near = 0
@@ -201,12 +201,12 @@ class Avoid:
     def _current_free(self):
         k = self._k
         v = self._variant
-        self._run(v, k, k + 1, 1, 0)
+        self._run(v, k, k + 1, 0)
         return self.free_of[v][k]
 
     def _promise_some(self, side):
         """Value the next candidates ahead to one side as if nothing were in the way, as many as a slice allows. True when all are done."""
-        self._next = self._worth.promise(side, self.free_of[side], self._swept, self._score[side], self._next, 1, self.af, self.ar, 0)
+        self._next = self._worth.promise(side, self.free_of[side], self._swept, self._score[side], self._next, self.af, self.ar)
         if self._next < self.envelopes.count:
             return False
         self._next = 0
@@ -239,7 +239,7 @@ class Avoid:
         if variant < 2 and first < env.ahead_end:
             last = min(last, env.ahead_end)
         last = min(last, env.count)
-        self._run(variant, first, last, 1, env.lengths[0])
+        self._run(variant, first, last, env.lengths[0])
         self._worth.score(
             variant, self.free_of[variant], self._soft, self._score[variant], first, last, 1, self.af, self.ar,
             self._backward if variant & 2 else 0,
@@ -250,14 +250,14 @@ class Avoid:
         self._next = 0
         return True
 
-    def _run(self, variant, first, last, stride, floor):
+    def _run(self, variant, first, last, floor):
         """Sweep candidates first..last-1 in one variant."""
         self._mirror(variant)
         left = self._n
         if last - first > 2:
             env = self.envelopes
             left = drop_behind(self._x, self._y, self._near, left, env.half_length + env.soft, self._swing)
-        self._sweep.run(self._x, self._y, left, self._near, first, last, stride, floor, self.free_of[variant], self._soft, self._block)
+        self._sweep.run(self._x, self._y, left, self._near, first, last, 1, floor, self.free_of[variant], self._soft, self._block)
         self._mirror(variant)
 
     def _mirror(self, variant):
@@ -286,7 +286,8 @@ class Avoid:
                 return False
             # For single moves it need not be as fresh as for pairs: these are made where it is narrow.
             single = self.why in _SINGLE
-            if self._plan == 0 and (self._ready < 20 or self._renewing or not (self._field_fits(odometry, _FIT, 64) if single else self._field_fits(odometry))):
+            fits = self._field_fits(odometry, _FIT, 64) if single else self._field_fits(odometry)
+            if self._plan == 0 and (self._ready < 20 or self._renewing or not fits):
                 self._stage = _FIELD
                 return False
             if self._guarded != self._ready:
@@ -308,7 +309,8 @@ class Avoid:
         if stage <= _BEST_OTHER:
             # First to the side that was taken last: it is likely to set the measure for the other.
             side = (self._variant ^ (stage >= _PROMISE_OTHER)) & 1
-            if self._run_best(side) if stage == _BEST or stage == _BEST_OTHER else self._promise_some(side):
+            best_stage = stage == _BEST or stage == _BEST_OTHER
+            if self._run_best(side) if best_stage else self._promise_some(side):
                 self._stage = stage + 1
             return False
         if stage == _CHOOSE or stage == _CHOOSE_OF_ALL:
@@ -518,7 +520,7 @@ class Avoid:
             if self._plan == 1 and pairs.found:
                 v = pairs.second_variant
                 k = pairs.second_candidate
-                self._run(v, k, k + 1, 1, 0)
+                self._run(v, k, k + 1, 0)
                 if self.free_of[v][k] >= min(pairs.second_length, env.lengths[1]):
                     self._take(v, k)
                     self._plan = 2

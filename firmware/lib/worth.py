@@ -2,6 +2,9 @@
 that closes soon and narrow passing are to cost.
 
 A move is a candidate of envelope.py in one of four variants (bit 0 left, bit 1 backward), driven as far as one of its LENGTHS: number 5 k + i.
+
+Points only ever make a move worse. So what each promises, as if none were there, bounds what it is worth: swept in this order (promise(),
+keep_promises()), the best is known for sure when it comes first with all points counted, and most candidates are never swept.
 """
 
 from array import array
@@ -159,7 +162,7 @@ def _narrow(score: ptr16, free: ptr16, soft: ptr16, lengths: ptr16, job: ptr32):
 
 
 @micropython.viper
-def _forget(free: ptr16, swept: ptr8, score: ptr16, count: int):
+def _begin(free: ptr16, swept: ptr8, score: ptr16, count: int):
     k = 0
     while k < count:
         free[k] = 65535
@@ -272,20 +275,18 @@ class Worth:
         self._value(variant, free, scores, first, last, stride, af, ar, extra)
         self._lessen(free, soft, scores)
 
-    def promise(self, variant, free, swept, scores, first, stride, af, ar, extra):
+    def promise(self, variant, free, swept, scores, first, af, ar):
         """As score(), as if the way were free, from candidate `first` on, 0 to begin with, as many as a slice allows. Returns the next one.
 
-        stride: of the arcs; scores: NOTHING for what lies between. free: becomes 65535; swept: bytearray, 0. Both for keep_promises().
+        free: becomes 65535; swept: bytearray, 0. Both for keep_promises().
         """
         env = self._envelopes
         if first == 0:
-            _forget(free, swept, scores, env.count)
+            _begin(free, swept, scores, env.count)
         if env.ahead_end <= first < env.arcs:
             first = env.arcs
-        if first >= env.arcs:
-            stride = 1
-        last = min(first + stride * in_a_slice(0), env.ahead_end if first < env.ahead_end else env.count)
-        self._value(variant, free, scores, first, last, stride, af, ar, extra)
+        last = min(first + in_a_slice(0), env.ahead_end if first < env.ahead_end else env.count)
+        self._value(variant, free, scores, first, last, 1, af, ar, 0)
         return last
 
     def keep_promises(self, sweep, px, py, n, free, soft, block, swept, scores, most):
