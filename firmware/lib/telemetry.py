@@ -31,9 +31,9 @@ Robot to laptop
     07 PARAMETER   JSON: key, value, low, high, number (0 ..), of (how many there are); what it means is in schema.py
     08 LOG         level u8 (0 information, 1 warning, 2 error), UTF-8 text
     09 POSE        time u32, x i32, y i32 (1/256 mm since boot), heading u32 (0.001 deg)
-    0A CANDIDATES  time u32, variant u8, chosen u8 (255 none), count u8, then count AF i16, count AR i16, count free lengths u16 (65535: others
-                   promised more, it was not looked at). AF and AR are those of a right turn ahead; bit 0 of variant: both change their sign (left), bit 1: they are exchanged with their sign changed
-                   (backward)
+    0A CANDIDATES  time u32, variant u8, chosen u8 (255 none), count u8, then count AF i16, count AR i16, count free lengths u16 (65535: not
+                   looked at, as others promised more). AF and AR are those of a right turn ahead; bit 0 of variant: both change their sign
+                   (left), bit 1: they are exchanged with their sign changed (backward)
     0B REPLY       counter u32 and type u8 of the command, status u8 (OK, REFUSED), UTF-8 text
     0C NAMES       JSON: reasons, faults (the texts that numbers point into)
 

@@ -20,7 +20,9 @@ POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN, STO
 
 @dataclass
 class Samples:
-    """What each occurrence of a stage took, us. `whole` is a decision with all its slices, but for those that only went on with a plan; points: (n, 2) points seen, in windows.
+    """What each occurrence of a stage took, us. `whole` is a decision with all its slices; those that only went on with a plan are none.
+
+    points: (n, 2) points seen, in windows.
 
     paper, full, plain: what a baseline took; paper_of and so on: what the same decisions took here, in the same order. `paper` is of all decisions,
     those among them that only went on with a plan, `full` and `plain` of those that are `whole`. count: of all decisions.
