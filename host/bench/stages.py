@@ -23,7 +23,6 @@ class Samples:
     """What each occurrence of a stage took, us. `whole` is a decision with all its slices; those that only went on with a plan are none.
 
     points: (n, 2) points seen, in windows.
-
     paper, full, plain: what a baseline took; paper_of and so on: what the same decisions took here, in the same order. `paper` is of all decisions,
     those among them that only went on with a plan, `full` and `plain` of those that are `whole`. count: of all decisions.
     """

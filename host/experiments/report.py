@@ -90,8 +90,8 @@ _STARTS = "The paper drove each once, from a start it does not tell. Here every 
 _POINTS = "Medians over each run. The memory holds more than one revolution shows: it keeps what the lidar is too near to see."
 
 _TIMES = """The paper's decisions, on a laptop, took at most 20 ms in {paper:g} % of the cases or more. A decision here is all its slices together, the way
-out and the look-ahead included; *here* is MicroPython on the computer that ran this campaign, *ESP32* is modelled from the instructions executed (`make bench`). The robot
-goes on between slices, so what a lidar frame waits for is the longest slice, not the decision."""
+out and the look-ahead included; going on with a plan that still holds is not counted as one. *Here* is MicroPython on the computer that ran
+this campaign, *ESP32* is modelled from the instructions executed (`make bench`). The robot goes on between slices, so what a lidar frame waits for is the longest slice, not the decision."""
 
 _PLANNERS = """- **rule24**: paper A as written: windows and zones of one revolution, gaps between neighbouring points, AF and AR by one degree until rule (24) holds,
   with a compensation of 35 mm (the paper gives no value), the emergency moves of its section 6, and section 4.3 where no gap is found. What the paper leaves
