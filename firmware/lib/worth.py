@@ -162,16 +162,11 @@ def _narrow(score: ptr16, free: ptr16, soft: ptr16, lengths: ptr16, job: ptr32):
 
 
 @micropython.viper
-def _begin(free: ptr16, swept: ptr8, score: ptr16, count: int):
-    k = 0
-    while k < count:
-        free[k] = 65535
-        swept[k] = 0
-        k += 1
-    k = 0
-    while k < count * 5:
-        score[k] = 65535
-        k += 1
+def _begin(free: ptr16, swept: ptr8, first: int, last: int):
+    while first < last:
+        free[first] = 65535
+        swept[first] = 0
+        first += 1
 
 
 @micropython.viper
@@ -281,11 +276,11 @@ class Worth:
         free: becomes 65535; swept: bytearray, 0. Both for keep_promises().
         """
         env = self._envelopes
-        if first == 0:
-            _begin(free, swept, scores, env.count)
         if env.ahead_end <= first < env.arcs:
             first = env.arcs
         last = min(first + in_a_slice(0), env.ahead_end if first < env.ahead_end else env.count)
+        # Only of these: candidates for driving backward must not seem free ahead.
+        _begin(free, swept, first, last)
         self._value(variant, free, scores, first, last, 1, af, ar, 0)
         return last
 

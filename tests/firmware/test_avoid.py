@@ -20,9 +20,9 @@ def _walls(*walls):
     return found
 
 
-def _until(points, over, why=reasons.WAITING):
+def _until(points, over, why=reasons.WAITING, config=_config):
     """The Avoid of a robot that stands, worked on until over(avoid, whether it has decided). why: what it decided before."""
-    avoid = Avoid(_config)
+    avoid = Avoid(config)
     memory = avoid.points
     for k, (x, y) in enumerate(points):
         memory._fx[k] = 8 * x & 0xFFFF
@@ -82,6 +82,18 @@ def test_what_promises_most_is_the_best_of_all():
                 pass
         assert min(found) == min([_least(scores) for scores in avoid._score[:2]]), (width, ahead, corner, found)
     assert spared > 2 * avoid.envelopes.count  # of five sides of candidates
+
+
+def test_what_is_for_driving_backward_never_seems_free_ahead():
+    config = Config({"mode": "NAWS"})
+    closed = _walls((-187, -433, -187, 433), (187, -433, 187, 433), (-187, 433, 187, 433), (-187, -433, 187, -433))
+    for points in (_walls(*_OPEN_ON_THE_RIGHT), closed):
+        avoid = _until(points, lambda avoid, decided: decided, reasons.ON, config)
+        env = avoid.envelopes
+        assert env.ahead_end < env.arcs and not avoid._longest((0, 1), 65534)
+        for side in (0, 1):
+            assert not any(avoid.free_of[side][k] for k in range(env.ahead_end, env.arcs))
+        assert avoid.ar == 0
 
 
 def _least(scores):
