@@ -142,7 +142,7 @@ def _parser():
     )
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--quick", action="store_true", help="two short runs instead of thirteen long ones")
-    which.add_argument("--all-courses", action="store_true", help="the worst of each stage over a hundred runs of all kinds, modelled only; a quarter of an hour")
+    which.add_argument("--all-courses", action="store_true", help="the worst of each stage over a hundred runs of all kinds, modelled only; ten minutes")
     parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
     parser.add_argument("--firmware", default=image.FIRMWARE, help="folder of the firmware (default: this one)")
     return parser
