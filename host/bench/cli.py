@@ -45,8 +45,7 @@ def main(arguments=None):
 def measure(courses=scans.COURSES, firmware=image.FIRMWARE, quiet=True):
     """(figures, inner steps) over the courses; see stages.figures and stages.steps."""
     here, modelled, heap, logs = stages.Samples(), stages.Samples(), [], []
-    with tqdm(total=len(courses), desc="driving the courses", disable=quiet or None) as bar:
-        tapes = scans.tapes(courses, firmware, WORKERS, bar.update)
+    tapes = _tapes(courses, firmware, quiet)
     bench = Bench(firmware)
 
     def play(tape):
@@ -67,10 +66,14 @@ def measure(courses=scans.COURSES, firmware=image.FIRMWARE, quiet=True):
     return stages.figures(here, modelled, heap), stages.steps(bench, logs)
 
 
+def _tapes(courses, firmware, quiet):
+    with tqdm(total=len(courses), desc="driving the courses", disable=quiet or None) as bar:
+        return scans.tapes(courses, firmware, WORKERS, bar.update)
+
+
 def worst(courses=scans.ALL, firmware=image.FIRMWARE, quiet=True):
     """{"runs": how many, "stages": {stage: {"worst_ms_esp32", "course" in which}}, "start_ms_esp32"}, modelled only."""
-    with tqdm(total=len(courses), desc="driving the courses", disable=quiet or None) as bar:
-        tapes = scans.tapes(courses, firmware, WORKERS, bar.update)
+    tapes = _tapes(courses, firmware, quiet)
     bench = Bench(firmware)
     found, start = {}, 0.0
     with ThreadPoolExecutor(WORKERS) as pool, tqdm(total=len(tapes), desc="playing them back", disable=quiet or None) as bar:

@@ -9,7 +9,6 @@ import telemetry
 from auth import tag
 from health import STOP_BUTTON
 from link import Link
-from room import Room
 from telemetry import Decoder, copy
 from whole_frames import decode, frame
 
@@ -81,7 +80,6 @@ class Robot:
 class Settings:
     def __init__(self):
         self.tuned = []
-        self.room = Room()
 
     def tune(self, key, value):
         if key != "avoid.margin":
