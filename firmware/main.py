@@ -8,7 +8,7 @@ sys.path.append("/lib")
 
 import machine
 
-import config as configuration
+from params import config as configuration
 
 # What the start leaves behind is cleared away at once, or it would lie between the things that stay and cut the heap to pieces.
 gc.threshold(2048)
@@ -20,26 +20,26 @@ except (configuration.ConfigError, OSError) as error:
     print("gapseeker: cannot start:", error)
     raise
 
-import texts
-from once import forget
+from link import reason_texts
+from core.unload import unload
 
-names = texts.names()
-del texts
-forget("texts")
+names = reason_texts.names()
+del reason_texts
+unload("link.reason_texts")
 
 from avoid import Avoid
 
 avoid = Avoid(config)  # its tables are large: they come first, while the heap is still in one piece
 
-from constructors import drop
+from core.constructors import drop
 
 drop(avoid)
 
-from drive import Drive
-from link_start import start_link
+from actuation.drive import Drive
+from link.start import start_link
 from pca9685 import PCA9685
-from room import Room
-from settings import Settings
+from core.heap_reserve import Room
+from params.settings import Settings
 from steering import Steering
 
 
@@ -62,9 +62,9 @@ except OSError as error:
 room = Room()
 link = start_link(config, Settings(config, drive, avoid, room), names, machine)
 del build_drive, start_link  # their room is the others' from now on
-forget("link_start", "version")
+unload("link.start", "core.version")
 
-from health import Health
+from safety.health import Health
 from lidar import Lidar
 from robot import Robot
 
@@ -85,11 +85,11 @@ def build():
         adc = machine.ADC(pin(config.pins_battery))
     health = Health(lidar, drive, button, adc, config)
     if config.screen_kind != "none":
-        from screen import Screen
+        from link.screen import Screen
 
         line = machine.UART(config.screen_uart, config.screen_baud, tx=config.screen_tx, rx=config.screen_rx, txbuf=256, timeout=0)
         screen = Screen(line, config.screen_kind, config.screen_baud)
-        forget("texts")
+        unload("link.reason_texts")
     return Robot(config, avoid, lidar, drive, health, link, screen)
 
 
@@ -97,7 +97,7 @@ robot = build()
 del build
 drop(robot)
 del drop
-forget("constructors")
+unload("core.constructors")
 room.take()
 gc.threshold(-1)
 

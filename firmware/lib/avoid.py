@@ -14,15 +14,15 @@ from array import array
 import micropython
 from micropython import const
 
-import reasons
-from envelope import LENGTHS, Envelopes
-from field import Field
-from pairs import Pairs
+from planner import reasons
+from planner.candidates import LENGTHS, Candidates
+from planner.cost_to_go import CostToGo
+from planner.two_step import TwoStep
 from steering import mode_of
-from surroundings import Surroundings
-from sweep import BAND_MM, Sweep, drop_behind, mirror, sort_near
-from windows import NO_ZONE, RED, Windows
-from worth import NOTHING, Worth, best, in_a_slice
+from perception.local_map import LocalMap
+from planner.collision import BAND_MM, CollisionCheck, drop_behind, mirror, sort_near
+from perception.windows import NO_ZONE, RED, Windows
+from planner.move_cost import NOTHING, MoveCost, best, in_a_slice
 
 _POINTS = const(320)
 _NO_POINT = const(32767)
@@ -59,11 +59,11 @@ class Avoid:
 
     def __init__(self, config):
         self.config = config
-        self.points = Surroundings(config)
-        self.field = Field(config)
-        self.envelopes = Envelopes(config)
+        self.points = LocalMap(config)
+        self.field = CostToGo(config)
+        self.candidates = Candidates(config)
         self.windows = Windows(config, _POINTS)
-        env = self.envelopes
+        env = self.candidates
         self.points_x = array("h", bytes(2 * _POINTS))  # body frame, mm: for whoever looks on
         self.points_y = array("h", bytes(2 * _POINTS))
         self.points_window = self.windows.window
@@ -79,9 +79,9 @@ class Avoid:
         self._swept = bytearray(count)  # which candidates were, to the side that is being looked through
         self._least = NOTHING  # score of the best single move known
         self._score = tuple(array("H", b"\xff" * (2 * count * LENGTHS)) for _ in range(4))
-        self._sweep = Sweep(env)
-        self._worth = Worth(config, self.field, env)
-        self._pairs = Pairs(env, self._worth, self._sweep, self._soft, self._block)
+        self._sweep = CollisionCheck(env)
+        self._worth = MoveCost(config, self.field, env)
+        self._pairs = TwoStep(env, self._worth, self._sweep, self._soft, self._block)
         self._n = 0
         self._near = 0
         self._backward = _BACKWARD if config.mode == "AWS" else _BACKWARD_NAWS
@@ -129,8 +129,8 @@ class Avoid:
         that). MemoryError, with the old tables whole, if there is no room for the code that makes them.
         """
         c = self.config
-        if self.envelopes.outdated(c):
-            self.envelopes.refill(c)
+        if self.candidates.outdated(c):
+            self.candidates.refill(c)
             self.field.refill(c)
             self.v = 90
             self.why = reasons.LOOKING
@@ -138,8 +138,8 @@ class Avoid:
             self._stage = _FIELD
             self._renewing = False
             self._next = 0
-        self.look_ahead = self.envelopes.look_ahead
-        self._swing = self.envelopes.half_width + self.envelopes.soft + self.envelopes.half_length // 2
+        self.look_ahead = self.candidates.look_ahead
+        self._swing = self.candidates.half_width + self.candidates.soft + self.candidates.half_length // 2
         self._worth.configure(c)
         self.windows.configure(c)
         self._changes = c.changes
@@ -185,7 +185,7 @@ class Avoid:
 
     def _look(self, odometry):
         """The points as the body sees them now, those near the outline first, and the window of each."""
-        env = self.envelopes
+        env = self.candidates
         n = self.points.view(odometry.x >> 5, odometry.y >> 5, (odometry.heading + 50) // 100, self._x, self._y, self.look_ahead + env.half_length)
         self.windows.sort(self._x, self._y, n, env.soft + BAND_MM)
         self._near = self.windows.near
@@ -193,7 +193,7 @@ class Avoid:
 
     def _look_again(self):
         """The points as seen from where the decision began, in the order of the memory: which of them serve for a pair of moves must not hang on the side."""
-        env = self.envelopes
+        env = self.candidates
         worth = self._worth
         self._n = self.points.view(worth.x, worth.y, worth.heading, self._x, self._y, self.look_ahead + env.half_length)
         self._near = sort_near(self._x, self._y, self._n, env.half_width, env.half_length, env.soft + BAND_MM)
@@ -207,14 +207,14 @@ class Avoid:
     def _promise_some(self, side):
         """Value the next candidates ahead to one side as if nothing were in the way, as many as a slice allows. True when all are done."""
         self._next = self._worth.promise(side, self.free_of[side], self._swept, self._score[side], self._next, self.af, self.ar)
-        if self._next < self.envelopes.count:
+        if self._next < self.candidates.count:
             return False
         self._next = 0
         return True
 
     def _run_best(self, side):
         """Sweep those candidates ahead to one side that promise most, as many as a slice allows. True when the best of them is known."""
-        env = self.envelopes
+        env = self.candidates
         scores = self._score[side]
         self._mirror(side)
         left = drop_behind(self._x, self._y, self._near, self._n, env.half_length + env.soft, self._swing)
@@ -229,7 +229,7 @@ class Avoid:
 
     def _run_some(self, variant):
         """Sweep and value the next candidates of one variant, as many as a slice allows. True when all are done."""
-        env = self.envelopes
+        env = self.candidates
         first = self._next
         if variant & 2 and first < env.astern_first:
             first = env.astern_first
@@ -255,7 +255,7 @@ class Avoid:
         self._mirror(variant)
         left = self._n
         if last - first > 2:
-            env = self.envelopes
+            env = self.candidates
             left = drop_behind(self._x, self._y, self._near, left, env.half_length + env.soft, self._swing)
         self._sweep.run(self._x, self._y, left, self._near, first, last, 1, floor, self.free_of[variant], self._soft, self._block)
         self._mirror(variant)
@@ -305,7 +305,7 @@ class Avoid:
             self._next = 0
             self._least = NOTHING
             return False
-        env = self.envelopes
+        env = self.candidates
         if stage <= _BEST_OTHER:
             # First to the side that was taken last: it is likely to set the measure for the other.
             side = (self._variant ^ (stage >= _PROMISE_OTHER)) & 1
@@ -400,7 +400,7 @@ class Avoid:
 
     def _choose_one(self):
         """Take the best single move if it gets on well."""
-        env = self.envelopes
+        env = self.candidates
         value = NOTHING
         number = variant = 0
         for v in (0, 1):
@@ -432,13 +432,13 @@ class Avoid:
     def _take(self, variant, k):
         self._variant = variant
         self._k = k
-        self.af = self.envelopes.af_of(variant, k)
-        self.ar = self.envelopes.ar_of(variant, k)
+        self.af = self.candidates.af_of(variant, k)
+        self.ar = self.candidates.ar_of(variant, k)
         self.free = self.free_of[variant][k]
 
     def _settle(self, odometry):
         """Drive the best pair of moves, or the least bad single one, or stand."""
-        env = self.envelopes
+        env = self.candidates
         pairs = self._pairs
         if self._reversals >= _PATIENCE and self._leave(odometry):
             return
@@ -470,7 +470,7 @@ class Avoid:
         found = -1
         for v in variants:
             free = self.free_of[v]
-            for k in range(self.envelopes.count):
+            for k in range(self.candidates.count):
                 if free[k] > least:
                     least = free[k]
                     variant = v
@@ -482,7 +482,7 @@ class Avoid:
 
     def _leave(self, odometry):
         """To and fro on the same ground has led nowhere: go back or on as far as anything goes, and look from there."""
-        env = self.envelopes
+        env = self.candidates
         most = self._longest((2, 3, 0, 1), env.lengths[2])
         if not most:
             return False
@@ -501,7 +501,7 @@ class Avoid:
         turned = (odometry.heading - self._anchor_heading) % 360000
         if turned > 180000:
             turned = 360000 - turned
-        third = self.envelopes.half_length * 2 // 3
+        third = self.candidates.half_length * 2 // 3
         if turned > 15000 or dx * dx + dy * dy > third * third:
             self._anchor_x = odometry.x
             self._anchor_y = odometry.y
@@ -514,7 +514,7 @@ class Avoid:
         """Go on with the plan if the points still allow it. Returns False when it is over."""
         left = self._left(odometry)
         self._followed = self._ready
-        env = self.envelopes
+        env = self.candidates
         if left <= 4:
             pairs = self._pairs
             if self._plan == 1 and pairs.found:
@@ -538,7 +538,7 @@ class Avoid:
 
     def _publish(self):
         """Speed, mode and blocking point of the chosen steering."""
-        env = self.envelopes
+        env = self.candidates
         v = self._variant
         k = self._k
         room = self.free

@@ -28,7 +28,7 @@ from time import ticks_add, ticks_diff
 import micropython
 from micropython import const
 
-from crc16 import TABLE
+from core.crc16 import TABLE
 
 _START = const(0xAA)
 _MEASUREMENT = const(0xAD)

@@ -2,9 +2,9 @@
 
 from time import ticks_diff, ticks_us
 
-import reasons
-import telemetry
-from odometry import Odometry
+from planner import reasons
+from link import telemetry
+from perception.odometry import Odometry
 
 
 class Robot:

@@ -13,7 +13,7 @@ from array import array
 
 import micropython
 from micropython import const
-from trig import SIN
+from core.trig import SIN
 
 _RIGHT = const(900)  # 90 deg
 _HALF_TURN = const(1800)

@@ -18,6 +18,12 @@ KINDS = ("", "poll", "place", "guard", "work", "update", "command", "points", "p
 LIMIT_S = 300
 
 
+def module_of(path, firmware):
+    """Name under which the firmware imports a file: "planner.collision"."""
+    parts = path.relative_to(firmware).with_suffix("").parts
+    return ".".join(parts[1:] if parts[0] == "lib" else parts)
+
+
 class BenchError(Exception):
     """The firmware did not get through a tape; the message says why."""
 
@@ -39,15 +45,16 @@ class Bench:
     def __init__(self, firmware=image.FIRMWARE):
         firmware = Path(firmware)
         self.board, self.plain = image.compiled(firmware)
-        paths = {path.stem: path for path in [firmware / "main.py", *sorted((firmware / "lib").glob("*.py"))]}
+        paths = {module_of(path, firmware): path for path in [firmware / "main.py", *sorted((firmware / "lib").rglob("*.py"))]}
         cutter = blocks.Cutter({name: path.read_text() for name, path in paths.items()})
         machine_code.charge(cutter)
         self.blocks = cutter.blocks
         with tempfile.TemporaryDirectory() as folder:
             copy = Path(folder) / "firmware"
-            (copy / "lib").mkdir(parents=True)
             for name, path in paths.items():
-                (copy / path.relative_to(firmware)).write_text(cutter.counted[name])
+                place = copy / path.relative_to(firmware)
+                place.parent.mkdir(parents=True, exist_ok=True)
+                place.write_text(cutter.counted[name])
             _, self.counted = image.compiled(copy)
 
     def time(self, tape, again=(0, 0, 0, 0), repeats=2):

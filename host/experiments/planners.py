@@ -74,7 +74,7 @@ def firmware(planner, expected=None):
 
 def _firmware(folder):
     folder = Path(folder)
-    return [folder / "main.py", folder / "robot.json", *sorted((folder / "lib").glob("*.py"))]
+    return [folder / "main.py", folder / "robot.json", *sorted((folder / "lib").rglob("*.py"))]
 
 
 def _make(target, changed, source=image.FIRMWARE):
@@ -83,9 +83,10 @@ def _make(target, changed, source=image.FIRMWARE):
         return
     target.parent.mkdir(parents=True, exist_ok=True)
     work = Path(tempfile.mkdtemp(dir=target.parent))
-    (work / "lib").mkdir()
     for path in _firmware(source):
-        shutil.copy(path, work / path.relative_to(source))
+        place = work / path.relative_to(source)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(path, place)
     for name, text in changed.items():
         (work / "lib" / name).write_text(text)
     try:

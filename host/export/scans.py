@@ -9,7 +9,7 @@ from host.recording import Record
 
 compat.install()
 
-from config import Config  # noqa: E402
+from params.config import Config  # noqa: E402
 from lidar import Lidar  # noqa: E402
 
 QUARTER_MM = 0.25

@@ -32,9 +32,9 @@ from host import compat
 
 compat.install()
 
-import schema  # noqa: E402
-import telemetry  # noqa: E402
-import whole_frames  # noqa: E402
+from params import schema  # noqa: E402
+from link import telemetry  # noqa: E402
+from link import frames as whole_frames  # noqa: E402
 
 STATES = ("stopped", "auto", "manual")
 STATUSES = ("ok", "refused")

@@ -11,7 +11,7 @@ from .base import Link, LinkError
 from .messages import telemetry, whole_frames
 from .messages import compat  # noqa: F401  makes firmware/lib importable
 
-import auth  # noqa: E402  isort: skip
+from link import auth  # noqa: E402  isort: skip
 
 PORT = 9750
 _GREET_S = 1.0

@@ -56,7 +56,7 @@ def reasons():
     """The firmware's texts for `why`."""
     compat.install()
     try:
-        from texts import REASONS
+        from link.reason_texts import REASONS
     except ImportError:
         return ()
     return REASONS

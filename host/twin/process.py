@@ -16,8 +16,8 @@ ENGINES = ("micropython", "cpython")
 ADVANCE, READ, FLUSH, RESET = 1, 2, 3, 4
 I2C_WRITE, PIN, PWM_DUTY, PWM_FREQUENCY, UART_OUTPUT = 1, 2, 3, 4, 5
 REPLY, SHORT, PAYLOAD, CHUNKS = 1024, 256, 176, 4
-# Stands for about 100 kB on the ESP32, as pointers are twice as long here; some 15 kB of it go to the emulated board.
-HEAP = "200k"
+# Words of 64 bits take twice the room of the board's; the 32-bit port will tell it exactly.
+HEAP = "320k"
 SILENCE_S = 20.0
 
 _REQUEST = struct.Struct("<IBBHqq11iI")

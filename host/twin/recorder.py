@@ -32,7 +32,7 @@ def sources_digest(firmware):
 def version(firmware):
     """Version and sources of a firmware: 0.1.0+a6b104efa42a."""
     try:
-        text = (Path(firmware) / "lib" / "version.py").read_text()
+        text = (Path(firmware) / "lib" / "core" / "version.py").read_text()
         number = text.split('VERSION = "')[1].split('"')[0]
     except (OSError, IndexError):
         number = "0"

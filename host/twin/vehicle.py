@@ -60,7 +60,7 @@ class Vehicle:
     def from_settings(cls, settings):
         """The vehicle of a robot.json, given as a dict. ValueError names the key that is wrong."""
         compat.install()
-        from config import Config
+        from params.config import Config
 
         c = Config(settings)
         axles = [float(c.axles_first)]

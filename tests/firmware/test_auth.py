@@ -1,6 +1,6 @@
 """auth.py: the code that commands carry over the network."""
 
-from auth import hmac_sha256, same, tag
+from link.auth import hmac_sha256, same, tag
 
 
 def test_hmac_of_rfc_4231():

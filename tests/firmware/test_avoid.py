@@ -1,11 +1,11 @@
 """avoid.py: what is decided for points one puts there."""
 
-import reasons
+from planner import reasons
 from avoid import Avoid
-from config import Config
-from envelope import LENGTHS
+from params.config import Config
+from planner.candidates import LENGTHS
 from rooms import Still
-from worth import NOTHING, best
+from planner.move_cost import NOTHING, best
 
 _config = Config()
 _CHOOSE = 5  # stage of a decision
@@ -81,7 +81,7 @@ def test_what_promises_most_is_the_best_of_all():
             while not avoid._run_some(side):  # all of them
                 pass
         assert min(found) == min([_least(scores) for scores in avoid._score[:2]]), (width, ahead, corner, found)
-    assert spared > 2 * avoid.envelopes.count  # of five sides of candidates
+    assert spared > 2 * avoid.candidates.count  # of five sides of candidates
 
 
 def test_what_is_for_driving_backward_never_seems_free_ahead():
@@ -89,7 +89,7 @@ def test_what_is_for_driving_backward_never_seems_free_ahead():
     closed = _walls((-187, -433, -187, 433), (187, -433, 187, 433), (-187, 433, 187, 433), (-187, -433, 187, -433))
     for points in (_walls(*_OPEN_ON_THE_RIGHT), closed):
         avoid = _until(points, lambda avoid, decided: decided, reasons.ON, config)
-        env = avoid.envelopes
+        env = avoid.candidates
         assert env.ahead_end < env.arcs and not avoid._longest((0, 1), 65534)
         for side in (0, 1):
             assert not any(avoid.free_of[side][k] for k in range(env.ahead_end, env.arcs))

@@ -4,11 +4,11 @@ import struct
 import sys
 
 import micropython
-import telemetry
-from carriers import SerialLine
-from radio import Datagrams, start_radio
-from telemetry import Encoder
-from whole_frames import decode, frame
+from link import telemetry
+from link.serial_line import SerialLine
+from link.radio import Datagrams, start_radio
+from link.telemetry import Encoder
+from link.frames import decode, frame
 
 MICROPYTHON = sys.implementation.name == "micropython"
 

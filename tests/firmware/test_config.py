@@ -1,6 +1,6 @@
 """config.py and schema.py: what robot.json may say, and what is answered to what it may not."""
 
-from config import Config, ConfigError, load, parse
+from params.config import Config, ConfigError, load, parse
 
 ROBOT_JSON = __file__.rsplit("/", 3)[0] + "/firmware/robot.json"
 
@@ -32,7 +32,7 @@ def test_the_file_on_the_board_says_every_default():
     assert _attributes(load(ROBOT_JSON)) == _attributes(Config())
     with open(ROBOT_JSON) as file:
         text = file.read()
-    import schema
+    from params import schema
 
     for row in schema.BOOT + schema.LIVE:
         assert '"%s":' % row[0].split(".")[-1] in text, row[0]
@@ -172,7 +172,7 @@ def test_an_unknown_key_cannot_be_read():
 
 
 def test_every_row_is_complete_and_every_default_allowed():
-    import schema
+    from params import schema
 
     keys = [row[0] for row in schema.BOOT + schema.LIVE]
     assert len(set(keys)) == len(keys)

@@ -2,7 +2,7 @@
 
 import sys
 
-from constructors import drop
+from core.constructors import drop
 
 
 class Part:

@@ -4,8 +4,8 @@ from math import exp
 from time import ticks_add
 
 import micropython
-from config import Config
-from drive import Drive
+from params.config import Config
+from actuation.drive import Drive
 from fake_chips import FakeBus, FakePin
 from pca9685 import PCA9685
 from steering import Steering

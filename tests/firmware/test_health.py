@@ -1,8 +1,8 @@
 """health.py: what stops the robot, and what does not."""
 
-import health
+from safety import health
 import micropython
-from health import Health
+from safety.health import Health
 
 
 class Config:

@@ -244,7 +244,7 @@ def test_version_0_locks_on_to_the_rule_that_passes():
 
 
 def test_version_1_never_takes_the_crc():
-    from crc16 import crc16
+    from core.crc16 import crc16
 
     data = bytearray(frame_bytes(FRAME_C1_SUM)[:-2])
     check = crc16(data, 0, len(data))
@@ -253,7 +253,7 @@ def test_version_1_never_takes_the_crc():
 
 
 def test_crc_of_the_vendor():
-    from crc16 import crc16
+    from core.crc16 import crc16
 
     assert crc16(frame_bytes(FRAME_C0_CRC), 0, 19) == 0x4484
     assert crc16(b"123456789", 0, 9) == 0x4B37

@@ -5,12 +5,12 @@ import struct
 from array import array
 
 import micropython
-import telemetry
-from auth import tag
-from health import STOP_BUTTON
-from link import Link
-from telemetry import Decoder, copy
-from whole_frames import decode, frame
+from link import telemetry
+from link.auth import tag
+from safety.health import STOP_BUTTON
+from link.link import Link
+from link.telemetry import Decoder, copy
+from link.frames import decode, frame
 
 SESSION = b"sessions"
 KEY = b"k" * 32
@@ -36,7 +36,7 @@ class Steering:
     folded = 3
 
 
-class Envelopes:
+class Candidates:
     count = 2
     af = array("h", [100, 300])
     ar = array("h", [0, -300])
@@ -51,7 +51,7 @@ class Part:
     points_y = array("h", [-1, 2, -3])
     points_window = bytearray([1, 2, 3])
     points_count = 3
-    envelopes = Envelopes
+    candidates = Candidates
     free_of = [array("H", [k, k + 10]) for k in range(4)]
     v256 = -4608
     steering = Steering

@@ -6,10 +6,10 @@ import micropython
 import robot as loop
 import rooms
 from avoid import Avoid
-from config import Config
-from drive import Drive
+from params.config import Config
+from actuation.drive import Drive
 from fake_chips import FakeBus, FakePin
-from health import Health
+from safety.health import Health
 from lidar import Lidar
 from pca9685 import PCA9685
 from steering import Steering

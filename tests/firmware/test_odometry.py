@@ -2,7 +2,7 @@
 
 from math import cos, pi, sin, sqrt, tan
 
-from odometry import Odometry
+from perception.odometry import Odometry
 from steering import Steering
 
 SPACINGS = (115, 150, 117, 115)

@@ -3,7 +3,7 @@
 import gc
 import sys
 
-from room import BOARD_SIZE, Room
+from core.heap_reserve import BOARD_SIZE, Room
 
 WORD = 8 if sys.maxsize >> 31 else 4
 
@@ -31,16 +31,16 @@ def test_modules_are_let_go_whatever_happens():
     room = Room()
     room.take()
     try:
-        with room.lend("keep"):
-            import keep
+        with room.lend("params.json_patch"):
+            from params import json_patch
 
-            del keep
+            del json_patch
             raise ValueError
     except ValueError:
         pass
     assert _kept(room)
     if sys.implementation.name == "micropython":
-        assert "keep" not in sys.modules
+        assert "params.json_patch" not in sys.modules
 
 
 class _Narrow:

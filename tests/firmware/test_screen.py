@@ -1,7 +1,7 @@
 """screen.py: short lines, only when something changed, and buttons in whatever pieces they come."""
 
 import micropython
-from screen import Screen
+from link.screen import Screen
 
 
 class Uart:

@@ -3,8 +3,8 @@
 import json
 import os
 
-from room import Room
-from settings import Settings
+from core.heap_reserve import Room
+from params.settings import Settings
 
 PATH = "test_settings_robot.json"
 
@@ -44,7 +44,7 @@ class Avoid:
 
     def __init__(self, config=None):
         self.config = config
-        self.envelopes = self
+        self.candidates = self
 
     def outdated(self, config):
         return self.config is not None and config.get("avoid.margin") != self.made_with

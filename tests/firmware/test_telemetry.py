@@ -3,9 +3,9 @@
 import struct
 
 import micropython
-import telemetry
-from telemetry import Decoder, Encoder
-from whole_frames import decode, frame
+from link import telemetry
+from link.telemetry import Decoder, Encoder
+from link.frames import decode, frame
 
 
 def test_a_frame_comes_back():

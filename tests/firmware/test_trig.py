@@ -2,7 +2,7 @@
 
 from math import cos, radians, sin
 
-from trig import SIN, cos14, sin14
+from core.trig import SIN, cos14, sin14
 
 
 def test_table_is_exact_to_its_last_bit():

@@ -2,8 +2,8 @@
 
 from array import array
 
-from config import Config
-from windows import BLUE, GREEN, NONE, RED, YELLOW, Windows
+from params.config import Config
+from perception.windows import BLUE, GREEN, NONE, RED, YELLOW, Windows
 
 # red 20 mm, blue 45 mm round a body of 250 x 600 mm; the planning window is 900 mm long and 300 mm wide beside the body
 _windows = Windows(Config(), 16)

@@ -13,7 +13,7 @@ def _arrays(thing, seen, depth=0):
         return 0
     seen[id(thing)] = True
     if kind.__name__ == "Room":
-        return sys.modules["room"].BOARD_SIZE
+        return sys.modules["core.heap_reserve"].BOARD_SIZE
     if kind is array:
         return len(thing) * _SIZES[repr(thing)[7]]
     if kind is bytearray:

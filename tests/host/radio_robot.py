@@ -9,8 +9,8 @@ sys.path.insert(0, sys.argv[1])
 
 import socket
 
-from link import Link
-from radio import Datagrams
+from link.link import Link
+from link.radio import Datagrams
 
 
 class Wlan:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from host.bench import blocks, cli, costs, machine_code, scans, stages, surprise
+from host.bench.measure import module_of
 
 LOOPS = textwrap.dedent('''
     import micropython
@@ -57,8 +58,8 @@ def test_every_way_of_a_condition_is_a_block():
 
 def test_counters_do_not_change_what_a_function_does():
     """The whole firmware compiles with them, and with the marks, and every mark is found again."""
-    firmware = scans.image.FIRMWARE / "lib"
-    cutter = blocks.Cutter({path.stem: path.read_text() for path in sorted(firmware.glob("*.py"))})
+    firmware = scans.image.FIRMWARE
+    cutter = blocks.Cutter({module_of(path, firmware): path.read_text() for path in sorted(firmware.rglob("*.py"))})
     machine_code.charge(cutter)
     viper = [block for block in cutter.blocks if block.viper]
     assert len(viper) > 100

@@ -22,7 +22,7 @@ from host.link import messages, radio
 from host.link.messages import telemetry, whole_frames
 from host.recording import Stream
 
-import auth  # isort: skip
+from link import auth  # isort: skip
 
 KEY = bytes(range(32))
 SESSION = b"12345678"

@@ -11,16 +11,16 @@ def hypot(x, y):
 
 
 class Planner:
-    """config: Config. envelopes: the firmware's, for its candidates (`af`, `ar`, 0.1 deg, those to the right). decide(): free lengths, mm."""
+    """config: Config. candidates: the firmware's, for its candidates (`af`, `ar`, 0.1 deg, those to the right). decide(): free lengths, mm."""
 
-    def __init__(self, config, envelopes):
+    def __init__(self, config, candidates):
         self.half_width = config.robot_width / 2 + config.avoid_margin
         self.half_length = config.robot_length / 2 + config.avoid_margin
         self.look_ahead = config.windows_look_ahead
         self.half_track = config.axles_track / 2
         self.first = config.axles_first
         self.span = sum(config.axles_spacings)
-        self.candidates = [(envelopes.af[k] * pi / 1800, envelopes.ar[k] * pi / 1800) for k in range(len(envelopes.af))]
+        self.candidates = [(candidates.af[k] * pi / 1800, candidates.ar[k] * pi / 1800) for k in range(len(candidates.af))]
 
     def decide(self, xs, ys):
         """Free length of each candidate to the right, then of each to the left, mm. xs, ys: points, body frame, mm."""

@@ -24,7 +24,7 @@ def buffers():
             continue
         seen.add(id(thing))
         if type(thing).__name__ == "Room":
-            total += sys.modules["room"].BOARD_SIZE  # here it is twice as large, as is what is to fit in it
+            total += sys.modules["core.heap_reserve"].BOARD_SIZE  # here it is twice as large, as is what is to fit in it
         elif isinstance(thing, bytearray):
             total += len(thing)
         elif isinstance(thing, array):

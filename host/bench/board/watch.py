@@ -106,7 +106,7 @@ class Stopwatch(Watch):
         self.baselines = (
             (PAPER, iteration, False, decisions, paper_count, [0]),
             (PAPER_FULL, iteration, True, full, paper_count, [0]),
-            (PLAIN, plain.Planner(robot.config, robot.avoid.envelopes), True, full, plain_count, [0]),
+            (PLAIN, plain.Planner(robot.config, robot.avoid.candidates), True, full, plain_count, [0]),
         )
         self.clock = clock
         self.now = clock.ticks_us

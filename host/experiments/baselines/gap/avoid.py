@@ -7,7 +7,7 @@ Source: Sezer and Gokasan, A novel obstacle avoidance algorithm: Follow the Gap 
 
 from math import asin, atan2, pi, sqrt
 
-import reasons
+from planner import reasons
 from disc import radius, reach
 from scanning import Scanning
 

@@ -4,9 +4,9 @@ Once a revolution, from that revolution's points alone. Where the papers are sil
 """
 
 import paper
-import reasons
+from planner import reasons
 from scanning import LOOK_AHEAD, Scanning
-from windows import BLUE, RED
+from perception.windows import BLUE, RED
 
 _BESIDE = 150  # mm: an obstacle so near beside the body bars the way to that side
 _CRUISE = 108

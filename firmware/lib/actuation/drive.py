@@ -1,0 +1,360 @@
+"""(AF, AR, V) -> wheels: turned together, before and while the robot moves, and an estimate of what they do now.
+
+A small change of steering while driving goes through the space of (AF, AR): each servo period both move on by the same fraction, such that no
+wheel turns faster than its servo can. So all wheels point round one turning centre all the way.
+
+A large change (a wheel turns farther than servos.swing, or changes its direction of rolling) would skid: the robot stops, all wheels swing
+at once, and it drives on when the slowest has arrived.
+
+What the wheels do now is what the servos were told `servos.latency` ago, and what the motors were told through a first-order lag of
+`motors.time_constant`. A swinging wheel turns at servos.rate. There is no sensor in any wheel; the twin of the robot and the real one are
+to be matched by these three numbers.
+"""
+
+from array import array
+from time import ticks_add, ticks_diff
+
+import micropython
+from micropython import const
+from actuation.outputs import Outputs
+from steering import Steering
+
+_STANDS = const(512)  # slow enough for the wheels to swing: V - 90 = 2, in 1/256
+_HISTORY = const(32)  # set points remembered; a power of two, more than 200 ms of 10 ms periods
+_MOST_PERIODS = const(50)
+
+
+@micropython.viper
+def _largest_change(one: ptr16, other: ptr16, count: int) -> int:
+    largest = 0
+    k = 0
+    while k < count:
+        change = (one[k] ^ 0x8000) - (other[k] ^ 0x8000)
+        if change < 0:
+            change = 0 - change
+        if change > largest:
+            largest = change
+        k += 1
+    return largest
+
+
+@micropython.viper
+def _follow(positions: ptr16, goals: ptr16, count: int, step: int) -> int:
+    """Move each position towards its goal by at most `step`; return the largest distance left."""
+    largest = 0
+    k = 0
+    while k < count:
+        position = (positions[k] ^ 0x8000) - 0x8000
+        left = ((goals[k] ^ 0x8000) - 0x8000) - position
+        move = left
+        if move > step:
+            move = step
+        elif move < 0 - step:
+            move = 0 - step
+        positions[k] = (position + move) & 0xFFFF
+        left -= move
+        if left < 0:
+            left = 0 - left
+        if left > largest:
+            largest = left
+        k += 1
+    return largest
+
+
+@micropython.viper
+def _fill(past: ptr16, af: int, ar: int):
+    k = 0
+    while k < 2 * _HISTORY:
+        past[k] = af & 0xFFFF
+        past[k + 1] = ar & 0xFFFF
+        k += 2
+
+
+class Drive:
+    """Drives the wheels of one robot.
+
+    steering: Steering of the robot; from now on it is the drive's, solved for the estimate. The chips and output_enable: see Outputs.
+
+    Everything is off after construction. The first update() sets the chips up, switches the outputs on with all wheels straight, and waits until
+    the wheels must have arrived from wherever they stood.
+
+    af, ar          estimate of the steering now, 0.1 deg; `steering` is solved for it
+    v256            estimate of the speed of the fastest wheel, V - 90 in 1/256, mean of the servo period that has begun
+    turning         the robot stands, or is stopping, because its wheels have to swing
+    aim             Steering of the angles the servos were told last; like `steering` another object after an update(), so do not keep it
+    unreachable     wheel the last command would turn beyond its servo's limits, or -1
+    ok, fault       False, and why, while a chip does not answer: all outputs are off then
+    """
+
+    def __init__(self, steering, servo_chip, motor_left, motor_right, output_enable, config):
+        self.steering = steering
+        self.aim = Steering(steering.spacings, steering.track, steering.first)
+        self._goal = Steering(steering.spacings, steering.track, steering.first)
+        self._trial = Steering(steering.spacings, steering.track, steering.first)
+        self._wheels = 2 * steering.n
+        self._config = config
+        self._outputs = Outputs(servo_chip, motor_left, motor_right, output_enable, config)
+        self._low = config.servos_low
+        self._high = config.servos_high
+        self._period_us = 1000000 // config.servos_frequency
+        self._due = -1
+        self.af = 0
+        self.ar = 0
+        self.v256 = 0
+        self.turning = True
+        self.unreachable = -1
+        self._goal_v256 = 0
+        self._set_v256 = 0
+        self._restarts = 0
+        self._swinging = False  # the wheels were told to swing; turning without it: the robot still rolls
+        self._delay = 0  # periods until the swing shows
+        self._positions = array("h", bytes(2 * self._wheels))  # where the wheels are taken to stand
+        self._pointed = array("h", bytes(2 * self._wheels))  # angles while one wheel is pointed on its own
+        self._pointing = False
+        self._past = array("h", bytes(4 * _HISTORY))  # AF, AR of each period
+        self._now = 0  # place of the period that has begun
+        self._speed = 0  # v256 in 1/256 at its end
+        self._derive()
+
+    @property
+    def ok(self):
+        return self._outputs.ok
+
+    @property
+    def fault(self):
+        return self._outputs.fault
+
+    def reachable(self, af, ar):
+        """Whether all wheels can turn to (AF, AR), 0.1 deg."""
+        return self._trial.solve(af, ar) and self._trial.outside(self._low, self._high) < 0
+
+    def command(self, af, ar, v):
+        """Steer AF, AR (0.1 deg) and drive at V (0 .. 180, 90 stops). False, and the robot stops as it is steered, if a wheel cannot turn so far."""
+        goal = self._goal
+        if af != goal.af or ar != goal.ar:
+            before_af, before_ar = goal.af, goal.ar
+            self.unreachable = goal.outside(self._low, self._high) if goal.solve(af, ar) else 0
+            if self.unreachable >= 0:
+                goal.solve(before_af, before_ar)
+                self._goal_v256 = 0
+                return False
+        self.unreachable = -1
+        if v > 180:
+            v = 180
+        elif v < 0:
+            v = 0
+        self._goal_v256 = (v - 90) * 256
+        if self._pointing:
+            if v != 90 or goal.af != self.aim.af or goal.ar != self.aim.ar:
+                self._pointing = False
+                self._doubt()
+        return True
+
+    def point(self, wheel, angle):
+        """Turn one wheel alone, to find its trim and its limits; index of the wheel, angle in 0.1 deg, -900 .. 900.
+
+        False unless the robot stands. The wheel goes back among the others with the next command that moves anything.
+        """
+        if self._goal_v256 or self._set_v256 or self.turning or not 0 <= wheel < self._wheels or not -900 <= angle <= 900:
+            return False
+        if not self._pointing:
+            self._pointing = True
+            for k in range(self._wheels):
+                self._pointed[k] = self.aim.angles[k]
+        self._pointed[wheel] = angle
+        return True
+
+    def stop(self):
+        """Motors off now, not with the next update(); the wheels stay as they are. Costs nothing while the motors are off."""
+        if self._set_v256:
+            self._outputs.motors_off()
+            self._set_v256 = 0
+        self._goal_v256 = 0
+
+    def off(self):
+        """Everything off, for good: the servos let go."""
+        self.stop()
+        self._outputs.off()
+
+    def update(self, now_us):
+        """Do what is due; call at least once a servo period. True when the set points moved on. Allocates nothing while all is well."""
+        due = self._due
+        if due < 0:
+            due = now_us
+        late = ticks_diff(now_us, due)
+        if late < 0:
+            return False
+        period = self._period_us
+        periods = 1
+        if late >= period:
+            # After a pause the estimate catches up, the set points do not.
+            periods += late // period
+            if periods > _MOST_PERIODS:
+                periods = _MOST_PERIODS
+                due = ticks_add(now_us, -(periods - 1) * period)
+        self._due = ticks_add(due, periods * period)
+        if self._changes != self._config.changes:
+            self._derive()
+        self._steer()
+        v256 = self._accelerate()
+        aim = self.aim
+        outputs = self._outputs
+        outputs.write(self._pointed if self._pointing else aim.angles, aim.shares, v256)
+        if self._restarts != outputs.restarts:
+            self._restarts = outputs.restarts
+            self._doubt()
+        self._estimate(periods)
+        return True
+
+    def _derive(self):
+        """What a servo period makes of the live parameters."""
+        config = self._config
+        self._changes = config.changes
+        self._outputs.derive()
+        period = self._period_us
+        self._step = max(config.servos_rate * period // 100000, 1)  # 0.1 deg
+        self._swing = config.servos_swing * 10
+        latency = config.servos_latency * 1000
+        self._latency = latency // period
+        self._back = 2 * self._latency
+        self._latency256 = latency % period * 256 // period
+        self._gain256 = min(512 * period // (2000 * config.motors_time_constant + period), 256)
+        self._ramp = max(config.drive_acceleration * 23040 // config.motors_full_speed * period // 1000000, 1)
+
+    def _steer(self):
+        if self._swinging:
+            self._swing_on()
+            return
+        goal, aim = self._goal, self.aim
+        if goal.af == aim.af and goal.ar == aim.ar:
+            self.turning = False
+            return
+        if goal.folded == aim.folded:
+            largest = _largest_change(goal.angles, aim.angles, self._wheels)
+            if largest <= self._swing and self._approach(goal, aim, largest):
+                self.turning = False
+                return
+        self.turning = True
+        if -_STANDS <= self.v256 <= _STANDS:
+            self._begin_swing()
+
+    def _approach(self, goal, aim, largest):
+        """Move the set point towards the goal as far as the slowest wheel allows. False where the way leads past a fold or a turning centre.
+
+        largest: by how much a wheel changes on the whole way, 0.1 deg, which is the first measure of how much of it can be gone now.
+        """
+        step = self._step
+        trial = self._trial
+        if largest <= step:
+            trial.solve(goal.af, goal.ar)
+        else:
+            af, ar = aim.af, aim.ar
+            way_af = goal.af - af
+            way_ar = goal.ar - ar
+            way = max(abs(way_af), abs(way_ar))
+            half = way >> 1
+            slow = step - (step >> 5)  # that much slack spares most second guesses
+            part = way
+            change = largest
+            while change > step:
+                part = part * slow // change
+                if part == 0:
+                    return False
+                trial.solve(af + (way_af * part + half) // way, ar + (way_ar * part + half) // way)
+                if trial.folded != aim.folded:
+                    return False
+                change = _largest_change(trial.angles, aim.angles, self._wheels)
+        self.aim = trial
+        self._trial = aim
+        return True
+
+    def _begin_swing(self):
+        aim = self.aim
+        if not self._swinging:
+            # Until now no wheel was told more than it does in a period.
+            self._swinging = True
+            _follow(self._positions, aim.angles, self._wheels, 1800)
+        aim.solve(self._goal.af, self._goal.ar)
+        self._delay = self._latency + 1
+
+    def _swing_on(self):
+        goal, aim = self._goal, self.aim
+        if goal.folded != aim.folded or _largest_change(goal.angles, aim.angles, self._wheels) > self._swing:
+            self._begin_swing()
+        if self._delay:
+            self._delay -= 1
+        elif _follow(self._positions, aim.angles, self._wheels, self._step) == 0:
+            self._swinging = False
+            self.turning = False
+            _fill(self._past, aim.af, aim.ar)
+
+    def _accelerate(self):
+        """The motors' next set point."""
+        goal = self._goal_v256
+        speed = self._set_v256
+        if goal == 0 or self.turning or not self._outputs.ok:
+            speed = 0
+        elif goal > 0 > speed or goal < 0 < speed:
+            speed = 0  # a reversal passes through off
+        elif goal > speed:
+            speed += self._ramp
+            if speed > goal:
+                speed = goal
+        else:
+            speed -= self._ramp
+            if speed < goal:
+                speed = goal
+        self._set_v256 = speed
+        return speed
+
+    def _doubt(self):
+        """Each wheel may stand anywhere, at worst at the far end."""
+        for k in range(self._wheels):
+            self._positions[k] = 900 if self.aim.angles[k] < 0 else -900
+        self._set_v256 = 0
+        self._outputs.motors_off()
+        self.turning = True
+        self._swinging = True
+        self._begin_swing()
+
+    def _estimate(self, periods):
+        """So many servo periods of the wheels' life."""
+        past = self._past
+        now = self._now
+        af, ar = past[now], past[now + 1]
+        # Swinging wheels have no common centre; the little that the robot still rolls, it rolls mostly as it was steered before.
+        if not self._swinging:
+            aim = self.aim
+            af, ar = aim.af, aim.ar
+        speed = self._speed
+        goal = self._set_v256 << 8
+        gain = self._gain256
+        before = speed
+        while periods:
+            now = (now + 2) & (2 * _HISTORY - 1)
+            past[now] = af
+            past[now + 1] = ar
+            before = speed
+            speed += ((goal - speed) >> 4) * gain >> 4
+            periods -= 1
+        self._now = now
+        self._speed = speed
+        self.v256 = (before + speed + 256) >> 9  # the mean of the period that begins now
+
+        now = (now - self._back) & (2 * _HISTORY - 1)
+        af, ar = past[now], past[now + 1]
+        f = self._latency256
+        if f:
+            now = (now - 2) & (2 * _HISTORY - 1)
+            af = (af * (256 - f) + past[now] * f + 128) >> 8
+            ar = (ar * (256 - f) + past[now + 1] * f + 128) >> 8
+        steering = self.steering
+        if af != steering.af or ar != steering.ar:
+            self.af = af
+            self.ar = ar
+            trial = self._trial
+            if af == trial.af and ar == trial.ar:  # with a latency of one period it is what the servos were told before
+                self.steering = trial
+                self._trial = steering
+            else:
+                steering.solve(af, ar)

@@ -1,0 +1,54 @@
+"""Puts the robot's link together, once at the start."""
+
+import os
+
+from link.serial_line import SerialLine
+from link.link import Link
+from micropython import const
+from core.version import VERSION
+
+_SESSION = const(8)  # auth.SESSION; that module is loaded only where there is a key
+
+
+def start_link(config, settings, names, machine):
+    """Link over USB and, if robot.json names a network, over WiFi. Without it the radio is never touched.
+
+    names: see Messages; machine: the module. Commands over WiFi need the file network.key; without it they are all refused.
+    """
+    carriers = [SerialLine()]
+    key = None
+    remarks = []
+    if config.wifi_ssid:
+        try:
+            import network
+            import socket
+
+            from link.radio import Datagrams, start_radio
+
+            carriers.append(Datagrams(start_radio(config, network), socket, config.wifi_port))
+        except (ImportError, OSError, RuntimeError, ValueError) as error:
+            # A robot without its radio still drives, stops and speaks over USB.
+            remarks.append("no WiFi: %s; look at wifi.ssid and wifi.password (8 characters or more) in robot.json" % error)
+        try:
+            with open("network.key", "rb") as file:
+                key = file.read()
+        except OSError:
+            remarks.append("no network.key: commands over WiFi are refused; make deploy puts one on the board")
+    board = machine.unique_id().hex()
+    identity = {
+        "firmware": VERSION,
+        "robot": "gapseeker-" + board[-4:],
+        "board": board,
+        "boot": {1: "power", 2: "reset", 3: "watchdog", 4: "sleep", 5: "restart"}.get(machine.reset_cause(), "unknown"),
+        "width": config.robot_width,
+        "length": config.robot_length,
+        "track": config.axles_track,
+        "spacings": list(config.axles_spacings),
+        "first": config.axles_first,
+        "full_speed": config.motors_full_speed,
+        "lidar": [config.lidar_x, config.lidar_y],
+    }
+    link = Link(config, settings, identity, names, carriers, os.urandom(_SESSION), key)
+    for remark in remarks:
+        link.log(1, remark)
+    return link

@@ -1,0 +1,211 @@
+"""robot.json -> the attributes of a `Config`. Every complaint names the key, its value and what is allowed."""
+
+import io
+import json
+from array import array
+
+from params import schema
+from params.config import ConfigError, attribute, key_of, number, refuse
+
+
+def read(text):
+    """The values in the text of robot.json. ConfigError, with the line, where it is not JSON."""
+    stream = io.StringIO(text)
+    try:
+        return json.load(stream)
+    except ValueError as error:
+        # CPython counts the lines, MicroPython leaves the stream where it stopped reading.
+        line = getattr(error, "lineno", 0) or 1 + text[: max(stream.tell() - 1, 0)].count("\n")
+        raise ConfigError("robot.json is not JSON: look for a missing comma, quote or bracket in line %d or just before" % line)
+
+
+def fill(config, values):
+    """Set every attribute of the config from the values (nested dicts) or the defaults."""
+    given = _flatten(values)
+    for row in schema.BOOT:
+        key = row[0]
+        value = _checked(config, row, given.pop(key)) if key in given else _default(config, row)
+        setattr(config, attribute(key) + _scale(row)[1], value)
+        if key == "axles.spacings":
+            config.axles = len(value) + 1
+    live = []
+    limits = []
+    for key, _, default, low, high, unit, _ in schema.LIVE:
+        value = given.pop(key, default)
+        if value is None and default is None:
+            value = _by_length(key, config.robot_length)
+        setattr(config, attribute(key), number(key, value, low, high, unit, 1, False))
+        live.append(_shared(config, attribute(key)))
+        limits += low, high
+    config.live = tuple(live)
+    config.limits = array("h", limits)
+    config.units = tuple([row[5] for row in schema.LIVE])
+    for key in given:
+        _unknown(key, given[key], schema.BOOT + schema.LIVE)
+    _check(config)
+
+
+def _shared(config, name):
+    """The very text under which the attribute is kept: an equal one would take room beside it for good."""
+    for one in config.__dict__:
+        if one == name:
+            return one
+
+
+def _scale(row):
+    return schema.SCALES[row[5]] if row[5] in schema.SCALES else (1, "")
+
+
+def _default(config, row):
+    key, kind, value = row[:3]
+    if value is not None:
+        return _checked(config, row, value)
+    if key == "axles.first":
+        return sum(config.axles_spacings) / 2
+    if kind == "pin":
+        return None
+    step = 2 if kind == "pairs" else 1
+    return array("h", [k * step for k in range(_length(config, kind))])
+
+
+def _by_length(key, length):
+    """Default of a live parameter that goes with the body: what is known of the surroundings gets coarser with it, and its ends swing farther."""
+    if key == "windows.look_ahead":
+        return length * 3 // 2
+    return max(length * 3 // 200, 9) if key == "avoid.margin" else max(length // 20, 30)
+
+
+def _length(config, kind):
+    return config.axles if kind == "pairs" else 2 * config.axles
+
+
+def _checked(config, row, value):
+    """The value of a row as the attribute holds it."""
+    key, kind, _, low, high, unit, _ = row
+    if kind in ("wheels", "signs", "pairs"):
+        return _list(config, row, value)
+    if kind == "spacings":
+        return _spacings(row, value, schema.MAX_AXLES)
+    if kind == "flag":
+        if type(value) is not bool:
+            refuse(key, value, "true or false is needed")
+        return value
+    if kind == "choice":
+        if value not in low:
+            refuse(key, value, "allowed: " + ", ".join(low))
+        return value
+    if kind == "text":
+        if type(value) is not str or len(value) > high:
+            refuse(key, value, "a text of at most %d characters is needed" % high)
+        return value
+    if kind == "pin":
+        taken = schema.USB_PINS + schema.FLASH_PINS
+        if value is not None and (type(value) is not int or not low <= value <= high or value in taken):
+            refuse(key, value, "null or a GPIO %d .. %d is needed, not 1, 3 (USB) or 6 .. 11 (flash)" % (low, high))
+        return value
+    if kind == "address":
+        return _address(row, value)
+    return number(key, value, low, high, unit, _scale(row)[0], kind == "number")
+
+
+def _list(config, row, value):
+    key, kind, _, low, high, unit, _ = row
+    length = _length(config, kind)
+    if type(value) not in (list, tuple):
+        value = [value] * length
+    if len(value) != length:
+        what = "axle" if kind == "pairs" else "wheel"
+        refuse(key, value, "%d values are needed, one for each %s, not %d" % (length, what, len(value)))
+    if kind == "signs":
+        for one in value:
+            if one not in (1, -1):
+                refuse(key, one, "1 or -1 is needed")
+        return array("h", value)
+    return array("h", [number(key, one, low, high, unit, _scale(row)[0], False) for one in value])
+
+
+def _check(config):
+    """What no single value tells: whether they go together."""
+    if sum(config.axles_spacings) > config.robot_length:
+        refuse("axles.spacings", list(config.axles_spacings), "the sum must not exceed robot.length = %d mm" % config.robot_length)
+    if config.axles_track > config.robot_width:
+        refuse("axles.track", config.axles_track, "it must not exceed robot.width = %d mm" % config.robot_width)
+    _distinct("servos.channels", config.servos_channels, 1)
+    _distinct("motors.channels", config.motors_channels, 2)
+    chips = (("servos.address", config.servos_address), ("motors.left", config.motors_left), ("motors.right", config.motors_right))
+    for k in range(3):
+        for earlier in chips[:k]:
+            if earlier[1] == chips[k][1]:
+                refuse(chips[k][0], "0x%02x" % chips[k][1], "already the address of %s" % earlier[0])
+    names = ["lidar_rx", "lidar_motor_pin", "i2c_scl", "i2c_sda", "pins_output_enable", "pins_stop_button", "pins_battery"]
+    if config.screen_kind != "none":
+        names += ["screen_tx", "screen_rx"]
+        if config.screen_uart == config.lidar_uart:
+            refuse("screen.uart", config.screen_uart, "already the UART of the lidar")
+    owners = {}
+    for name in names:
+        pin = getattr(config, name)
+        if pin is not None and pin in owners:
+            refuse(key_of(name), pin, "already the pin of %s" % key_of(owners[pin]))
+        owners[pin] = name
+    disorder = config.disorder()
+    if disorder:
+        low, high = disorder
+        refuse(key_of(low), getattr(config, low), "it must not exceed %s = %d" % (key_of(high), getattr(config, high)))
+
+
+def _flatten(values):
+    if type(values) is not dict:
+        raise ConfigError("robot.json must hold one object, { ... }")
+    flat = {}
+    for group, content in values.items():
+        if type(content) is dict:
+            for key, value in content.items():
+                flat["%s.%s" % (group, key)] = value
+        else:
+            flat[group] = content
+    return flat
+
+
+def _unknown(key, value, rows):
+    group = key.split(".")[0]
+    names = [row[0].split(".")[-1] for row in rows if row[0].split(".")[0] == group]
+    if not names:
+        names = []
+        for row in rows:
+            name = row[0].split(".")[0]
+            if name not in names:
+                names.append(name)
+        raise ConfigError("unknown key %s: robot.json has %s" % (group, ", ".join(names)))
+    if key == group:
+        refuse(key, value, "an object is needed, { ... }")
+    raise ConfigError("unknown key %s: %s has %s" % (key, group, ", ".join(names)))
+
+
+def _spacings(row, value, most):
+    key, _, _, low, high, unit, _ = row
+    if type(value) not in (list, tuple) or not 1 <= len(value) < most:
+        refuse(key, value, "a list of 1 .. %d numbers is needed (%d axles at most: two wheels on each, 16 channels on a chip)" % (most - 1, most))
+    return tuple([number(key, one, low, high, unit, 1, False) for one in value])
+
+
+def _address(row, value):
+    key, _, _, low, high, _, _ = row
+    address = value
+    if type(value) is str:
+        try:
+            address = int(value, 0)
+        except ValueError:
+            address = None
+    if type(address) is not int or not low <= address <= high or address == 0x70:
+        refuse(key, value, "an address 0x%02x .. 0x%02x but not 0x70 is needed" % (low, high))
+    return address
+
+
+def _distinct(key, channels, width):
+    taken = {}
+    for channel in channels:
+        for output in range(channel, channel + width):
+            if output in taken or output > 15:
+                refuse(key, list(channels), "output %d is used twice" % output if output in taken else "outputs end at 15")
+            taken[output] = True

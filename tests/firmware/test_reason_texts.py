@@ -1,0 +1,14 @@
+"""texts.py: a text for each number."""
+
+from safety import health
+from planner import reasons
+from link.reason_texts import FAULTS, REASONS
+
+
+def _numbers(module):
+    return sorted([value for name, value in module.__dict__.items() if type(value) is int and name[0] != "_"])
+
+
+def test_each_reason_and_each_fault_has_its_text():
+    assert _numbers(reasons) == list(range(len(REASONS)))
+    assert _numbers(health) == list(range(len(FAULTS)))
