@@ -266,4 +266,3 @@ class Reader:
                 return None
         self.cut = f"cut off at byte {at}" + ("" if prefix else ", after a whole record")
         return None
-

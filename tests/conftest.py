@@ -20,7 +20,7 @@ TIME_LIMIT_S = 300
 if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
-from host import compat  # noqa: E402
+from host import compat
 
 compat.install()
 

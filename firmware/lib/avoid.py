@@ -14,15 +14,15 @@ from array import array
 import micropython
 from micropython import const
 
+from perception.local_map import LocalMap
+from perception.windows import NO_ZONE, RED, Windows
 from planner import reasons
 from planner.candidates import LENGTHS, Candidates
+from planner.collision import BAND_MM, CollisionCheck, drop_behind, mirror, sort_near
 from planner.cost_to_go import CostToGo
+from planner.move_cost import NOTHING, MoveCost, best, in_a_slice
 from planner.two_step import TwoStep
 from steering import mode_of
-from perception.local_map import LocalMap
-from planner.collision import BAND_MM, CollisionCheck, drop_behind, mirror, sort_near
-from perception.windows import NO_ZONE, RED, Windows
-from planner.move_cost import NOTHING, MoveCost, best, in_a_slice
 
 _POINTS = const(320)
 _NO_POINT = const(32767)
@@ -219,9 +219,7 @@ class Avoid:
         self._mirror(side)
         left = drop_behind(self._x, self._y, self._near, self._n, env.half_length + env.soft, self._swing)
         self._sweep.aim(left, self._near, 1, env.lengths[0])
-        number = self._worth.keep_promises(
-            self._sweep, self._x, self._y, left, self.free_of[side], self._soft, self._block, self._swept, scores, self._least
-        )
+        number = self._worth.keep_promises(self._sweep, self._x, self._y, left, self.free_of[side], self._soft, self._block, self._swept, scores, self._least)
         self._mirror(side)
         if number >= 0 and number != NOTHING:
             self._least = scores[number]
@@ -438,7 +436,6 @@ class Avoid:
 
     def _settle(self, odometry):
         """Drive the best pair of moves, or the least bad single one, or stand."""
-        env = self.candidates
         pairs = self._pairs
         if self._reversals >= _PATIENCE and self._leave(odometry):
             return
@@ -578,6 +575,7 @@ class Avoid:
         _unbias(self._x, self.points_x, n)
         _unbias(self._y, self.points_y, n)
         self.points_count = n
+
 
 @micropython.viper
 def _unbias(p: ptr16, q: ptr16, n: int):

@@ -2,9 +2,9 @@
 
 from time import ticks_diff, ticks_us
 
-from planner import reasons
 from link import telemetry
 from perception.odometry import Odometry
+from planner import reasons
 
 
 class Robot:

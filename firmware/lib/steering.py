@@ -13,6 +13,7 @@ from array import array
 
 import micropython
 from micropython import const
+
 from core.trig import SIN
 
 _RIGHT = const(900)  # 90 deg

@@ -56,7 +56,7 @@ def measure(courses=scans.COURSES, firmware=image.FIRMWARE, quiet=True):
         return tape, counted, bench.time(tape, (found.count, len(found.whole), PAPER_EACH, PLAIN_EACH)), bench.heap(tape)
 
     with ThreadPoolExecutor(WORKERS) as pool, tqdm(total=len(tapes), desc="playing them back", disable=quiet or None) as bar:
-        for tape, counted, timed, grown in pool.map(play, tapes):
+        for _tape, counted, timed, grown in pool.map(play, tapes):
             logs.append(counted)
             for into, log, chip in ((modelled, counted, True), (here, timed, False)):
                 into.extend(stages.samples(log, chip))
@@ -140,7 +140,8 @@ def _cell(value, digits=0):
 
 def _parser():
     parser = argparse.ArgumentParser(
-        prog="python -m host.bench", description="Measure how long the firmware's stages take, here and on the ESP32 (modelled).",
+        prog="python -m host.bench",
+        description="Measure how long the firmware's stages take, here and on the ESP32 (modelled).",
         epilog="exit code: 0 done, 2 bad arguments or the firmware did not run",
     )
     which = parser.add_mutually_exclusive_group()

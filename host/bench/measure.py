@@ -95,8 +95,17 @@ class Bench:
             (Path(folder) / "robot.json").write_text(tape.robot)
             log = Path(folder) / "log"
             command = [
-                *image.micropython(), "-X", f"heapsize={HEAP[what]}", str(HERE / "board" / "runner.py"), what, str(tape.path), str(log),
-                str(self.board), str(firmware), str(HERE / "baselines"), *extra,
+                *image.micropython(),
+                "-X",
+                f"heapsize={HEAP[what]}",
+                str(HERE / "board" / "runner.py"),
+                what,
+                str(tape.path),
+                str(log),
+                str(self.board),
+                str(firmware),
+                str(HERE / "baselines"),
+                *extra,
             ]
             try:
                 done = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=LIMIT_S)

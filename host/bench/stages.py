@@ -139,8 +139,10 @@ def figures(here, modelled, heap):
     return {
         "stages": stages,
         "whole_decision": {
-            "worst_ms_esp32": _round(max(modelled.whole) / 1000), "median_ms_esp32": _round(np.median(modelled.whole) / 1000),
-            "worst_us_here": _round(max(here.whole)), "median_us_here": _round(np.median(here.whole)),
+            "worst_ms_esp32": _round(max(modelled.whole) / 1000),
+            "median_ms_esp32": _round(np.median(modelled.whole) / 1000),
+            "worst_us_here": _round(max(here.whole)),
+            "median_us_here": _round(np.median(here.whole)),
         },
         "start_ms_esp32": _round(max(modelled.start) / 1000),
         "heap_bytes_per_loop": max(one["worst"] for one in heap),

@@ -42,7 +42,8 @@ def main(arguments=None):
 
 def _parser():
     parser = argparse.ArgumentParser(
-        prog="python -m host.experiments", description="Run the papers' experiments in the twin and write docs/results.md.",
+        prog="python -m host.experiments",
+        description="Run the papers' experiments in the twin and write docs/results.md.",
         epilog="Finished runs are kept: the same command goes on where it was broken off. Exit code: 0 done, 1 broken off or a run failed, 2 bad arguments",
     )
     add = parser.add_argument

@@ -39,7 +39,15 @@ def execute(run, sources):
     if run.timed:
         return _head(run, sources) | _timed(run, firmware)
     done = drive(
-        run.course, run.width, run.gap, run.seed, run.mode, config=firmware / "robot.json", reverse=run.reverse, firmware=firmware, record=False,
+        run.course,
+        run.width,
+        run.gap,
+        run.seed,
+        run.mode,
+        config=firmware / "robot.json",
+        reverse=run.reverse,
+        firmware=firmware,
+        record=False,
         watch=None if run.planner in (plan.AWS, plan.NAWS) else _Patience(),
     )
     out = _head(run, sources) | {"result": done.result, "reason": done.reason[:300], "time_s": round(done.time_s, 3), "contacts": done.contacts}

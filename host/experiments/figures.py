@@ -54,7 +54,9 @@ def tracks_and_curves(rows, path):
     rows: [(title, [entry of a shown run])]; the first run's curves are drawn, the tracks of all.
     """
     tall = any(entries[0]["run"]["course"] in ("Z", "U") for _, entries in rows)
-    figure, grid = pyplot.subplots(len(rows), 2, figsize=(11, (3.3 if tall else 2.3) * len(rows) + 0.3), layout="constrained", width_ratios=(1, 1.25), squeeze=False)
+    figure, grid = pyplot.subplots(
+        len(rows), 2, figsize=(11, (3.3 if tall else 2.3) * len(rows) + 0.3), layout="constrained", width_ratios=(1, 1.25), squeeze=False
+    )
     for (title, entries), (left, right) in zip(rows, grid):
         _course(left, entries)
         left.set_title(f"{title}: {verdict(entries[0])}", fontsize=9, loc="left")

@@ -16,7 +16,10 @@ RATE_WIDTHS = {
 # The three, five and six experiments of sections 6.2 to 6.4 of paper A: widths from its ranges, one at least entered from the other end.
 S_RUNS = ({"course": "S", "width": 575}, {"course": "S-sharp", "width": 500}, {"course": "S-sharp", "width": 500, "reverse": True})
 U_RUNS = (
-    {"course": "U", "width": 670}, {"course": "U", "width": 600}, {"course": "U", "width": 560}, {"course": "U", "width": 520},
+    {"course": "U", "width": 670},
+    {"course": "U", "width": 600},
+    {"course": "U", "width": 560},
+    {"course": "U", "width": 520},
     {"course": "U", "width": 520, "reverse": True},
 )
 RANDOM_RUNS = tuple({"course": "random", "gap": gap, "seed": seed} for gap, seed in ((450, 1), (450, 2), (400, 3), (400, 4), (340, 5), (340, 6)))
@@ -54,7 +57,7 @@ def plan(quick=False, seeds=5):
     shown = {}
     for run in _shown(quick):
         shown[run] = None
-    rates = RATE_WIDTHS if not quick else {planner: (600, 500) for planner in RATE_WIDTHS}
+    rates = RATE_WIDTHS if not quick else dict.fromkeys(RATE_WIDTHS, (600, 500))
     for seed in range(1, (2 if quick else seeds) + 1):
         for planner, widths in rates.items():
             for width in widths:

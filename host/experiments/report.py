@@ -45,8 +45,12 @@ def _tracks(shown, pictures):
 def _together(shown):
     """The narrowest width at which all planners were shown, ours first."""
     for width in sorted({run.width for run in shown if run.planner == plan.DISC_NARROW}):
-        entries = [entry for planner in (plan.AWS, plan.RULE24, plan.DISC_NARROW, plan.DISC_ROUND) for run, entry in shown.items()
-                   if run.planner == planner and run.course == "Z" and run.width == width]
+        entries = [
+            entry
+            for planner in (plan.AWS, plan.RULE24, plan.DISC_NARROW, plan.DISC_ROUND)
+            for run, entry in shown.items()
+            if run.planner == planner and run.course == "Z" and run.width == width
+        ]
         if entries[0]["result"] == "pass":
             return entries
     return None
@@ -61,7 +65,13 @@ def _text(done, found, made, together):
     times = _TIMES.format(paper=tables.PAPER_UP_TO_20_MS)
     sections = (
         ("Narrower than long", *rates),
-        ("Z: Table 3 and figure 22", tables.table_3(done), _STARTS, tables.last_axle_note(done), _picture("z", "tracks of front A and rear B, steering and speed decided, seed 1", made)),
+        (
+            "Z: Table 3 and figure 22",
+            tables.table_3(done),
+            _STARTS,
+            tables.last_axle_note(done),
+            _picture("z", "tracks of front A and rear B, steering and speed decided, seed 1", made),
+        ),
         ("Decision times: figure 23", times, _picture("decision-times", "decision times in the classes of figure 23", made), tables.time_table(done)),
         ("S: figures 24 to 26", tables.run_table(done, ("S", "S-sharp")), _picture("s", "the S courses", made)),
         ("U: figures 27 and 28", tables.run_table(done, ("U",)), _picture("u", "the U courses", made)),

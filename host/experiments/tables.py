@@ -24,7 +24,7 @@ def grade(entry):
 
 
 def counts(entries):
-    """"7 pass, 1 local collision" of several runs."""
+    """ "7 pass, 1 local collision" of several runs."""
     grades = [grade(entry) for entry in entries]
     return ", ".join(f"{grades.count(word)} {word}" for word in _GRADES if word in grades)
 
@@ -82,9 +82,17 @@ def run_table(done, course):
         if run.shown and run.planner == plan.AWS and run.course in course:
             size = f"gaps of {run.gap:g}" if run.course == "random" else f"{run.width:g}"
             name = f"{run.course}{', from the other end' if run.reverse else ''}"
-            rows.append([
-                name, size, str(run.seed), grade(entry), f"{entry['time_s']:.1f}", str(entry["contacts"]), f"{entry['clearance_mm']:.0f}",
-            ])
+            rows.append(
+                [
+                    name,
+                    size,
+                    str(run.seed),
+                    grade(entry),
+                    f"{entry['time_s']:.1f}",
+                    str(entry["contacts"]),
+                    f"{entry['clearance_mm']:.0f}",
+                ]
+            )
     return markdown(["course", "width, mm", "seed", "result", "time, s", "contacts", "least clearance, mm"], rows)
 
 
@@ -103,10 +111,17 @@ def time_table(done):
     """Figure 23 as numbers."""
     rows = []
     for run, chip, here, longest in time_rows(done):
-        rows.append([
-            f"{run.planner.upper()} {run.width:g}", str(len(chip)), *(f"{share:.1f}" for share in classes(here)), *(f"{share:.1f}" for share in classes(chip)),
-            f"{np.median(chip):.1f}", f"{max(chip):.1f}", f"{longest:.1f}",
-        ])
+        rows.append(
+            [
+                f"{run.planner.upper()} {run.width:g}",
+                str(len(chip)),
+                *(f"{share:.1f}" for share in classes(here)),
+                *(f"{share:.1f}" for share in classes(chip)),
+                f"{np.median(chip):.1f}",
+                f"{max(chip):.1f}",
+                f"{longest:.1f}",
+            ]
+        )
     head = ["run", "decisions", "here: up to 10 ms, %", "10-20, %", "above 20, %", "ESP32: up to 10 ms, %", "10-20, %", "above 20, %"]
     return markdown([*head, "ESP32 median, ms", "longest, ms", "longest slice, ms"], rows)
 

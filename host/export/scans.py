@@ -4,13 +4,9 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from host import compat
 from host.recording import Record
-
-compat.install()
-
-from params.config import Config  # noqa: E402
-from lidar import Lidar  # noqa: E402
+from lidar import Lidar
+from params.config import Config
 
 QUARTER_MM = 0.25
 

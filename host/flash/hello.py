@@ -22,8 +22,8 @@ _PROMPT = b"raw REPL; CTRL-B to exit\r\n>"
 def find(said: bytes) -> str | None:
     """Version in the first hello (firmware/lib/telemetry.py) among these bytes; None if there is none yet."""
     compat.install()
-    from link import telemetry
     from link import frames as whole_frames
+    from link import telemetry
 
     for kind, _, payload in whole_frames.decode(said):
         if kind == telemetry.HELLO:

@@ -2,7 +2,7 @@
 
 import time
 
-from .messages import decode, telemetry, whole_frames
+from .messages import decode, whole_frames
 from .radio import PORT, listen
 
 # USB bridges on ESP32 boards: CP210x, CH340/CH9102, FTDI, and the chip's own

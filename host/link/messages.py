@@ -28,13 +28,9 @@ Links add some of their own:
 import json
 import struct
 
-from host import compat
-
-compat.install()
-
-from params import schema  # noqa: E402
-from link import telemetry  # noqa: E402
-from link import frames as whole_frames  # noqa: E402
+from link import frames as whole_frames  # noqa: F401  handed on with telemetry
+from link import telemetry
+from params import schema
 
 STATES = ("stopped", "auto", "manual")
 STATUSES = ("ok", "refused")

@@ -6,12 +6,10 @@ import threading
 import time
 
 from host.flash import places
+from link import auth
 
 from .base import Link, LinkError
 from .messages import telemetry, whole_frames
-from .messages import compat  # noqa: F401  makes firmware/lib importable
-
-from link import auth  # noqa: E402  isort: skip
 
 PORT = 9750
 _GREET_S = 1.0

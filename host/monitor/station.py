@@ -169,8 +169,12 @@ class _Recorder:
     def __init__(self, path: str, link: Link, source: str, known: dict):
         hello = known.get("hello", {})
         header = recording.Header(
-            firmware=str(hello.get("firmware", "unknown")), robot="", source=source, clock="host",
-            reasons=tuple(known.get("names", {}).get("reasons", ())), notes={"hello": hello},
+            firmware=str(hello.get("firmware", "unknown")),
+            robot="",
+            source=source,
+            clock="host",
+            reasons=tuple(known.get("names", {}).get("reasons", ())),
+            notes={"hello": hello},
         )
         self.path = Path(path)
         self._link = link

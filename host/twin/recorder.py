@@ -64,7 +64,11 @@ class Recorder(Watch):
             name = "".join(letter if letter.isalnum() else "-" for letter in source.removeprefix("twin:"))
             path = OUT / f"{time.strftime('%Y%m%d-%H%M%S')}-{name}-{os.getpid()}-{next(_number)}.rec"
         header = recording.Header(
-            firmware=version(firmware), robot=robot, source=source, reasons=tuple(reasons()), notes=notes,
+            firmware=version(firmware),
+            robot=robot,
+            source=source,
+            reasons=tuple(reasons()),
+            notes=notes,
         )
         recorder = cls(recording.Writer(path, header))
         recorder._kept = kept

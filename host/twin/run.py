@@ -60,8 +60,23 @@ class Result:
 
 
 def run(
-    course="Z", width=None, gap=500.0, seed=0, mode=None, engine="micropython", speed=None, config=None, watch=None, mirror=False,
-    reverse=False, angle=90.0, scale=1.0, changes=None, firmware=image.FIRMWARE, limit_s=None, record=None,
+    course="Z",
+    width=None,
+    gap=500.0,
+    seed=0,
+    mode=None,
+    engine="micropython",
+    speed=None,
+    config=None,
+    watch=None,
+    mirror=False,
+    reverse=False,
+    angle=90.0,
+    scale=1.0,
+    changes=None,
+    firmware=image.FIRMWARE,
+    limit_s=None,
+    record=None,
 ):
     """Drive one course; returns a Result.
 
@@ -97,10 +112,21 @@ def run(
         child.close()  # what it printed last belongs to the recording
         badly = ended and simulation.result != PASS
         kept = recorder.finish(simulation.result, simulation.reason, badly) if recorder else None
-    return _result(simulation, layout, vehicle, dict(
-        course=course, width_mm=layout.width, gap_mm=gap, seed=seed, mode=settings.get("mode", "AWS").lower(), engine=engine,
-        wall_s=time.monotonic() - began, recording=str(kept) if kept else None,
-    ))
+    return _result(
+        simulation,
+        layout,
+        vehicle,
+        dict(
+            course=course,
+            width_mm=layout.width,
+            gap_mm=gap,
+            seed=seed,
+            mode=settings.get("mode", "AWS").lower(),
+            engine=engine,
+            wall_s=time.monotonic() - began,
+            recording=str(kept) if kept else None,
+        ),
+    )
 
 
 def _address(course, width, gap, seed, mirror, reverse, angle, scale):

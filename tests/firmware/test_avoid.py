@@ -1,10 +1,11 @@
 """avoid.py: what is decided for points one puts there."""
 
-from planner import reasons
+from rooms import Still
+
 from avoid import Avoid
 from params.config import Config
+from planner import reasons
 from planner.candidates import LENGTHS
-from rooms import Still
 from planner.move_cost import NOTHING, best
 
 _config = Config()

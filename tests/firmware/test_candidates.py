@@ -4,9 +4,8 @@ import sys
 from array import array
 from math import cos, sin
 
-from planner import candidate_arcs
-from planner import candidate_strips
 from params.config import Config
+from planner import candidate_arcs, candidate_strips
 from planner.candidates import BIAS, Candidates
 from planner.collision import BAND_MM, CollisionCheck, sort_near
 
@@ -161,4 +160,6 @@ def _fail_once(fill):
 def test_the_code_that_fills_the_tables_is_let_go():
     Candidates(Config())
     if sys.implementation.name == "micropython":
-        assert not [name for name in sys.modules if name in ("planner.candidate_set", "planner.candidate_arcs", "planner.candidate_rings", "planner.candidate_strips")]
+        assert not [
+            name for name in sys.modules if name in ("planner.candidate_set", "planner.candidate_arcs", "planner.candidate_rings", "planner.candidate_strips")
+        ]

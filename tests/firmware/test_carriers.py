@@ -4,11 +4,12 @@ import struct
 import sys
 
 import micropython
+
 from link import telemetry
-from link.serial_line import SerialLine
-from link.radio import Datagrams, start_radio
-from link.telemetry import Encoder
 from link.frames import decode, frame
+from link.radio import Datagrams, start_radio
+from link.serial_line import SerialLine
+from link.telemetry import Encoder
 
 MICROPYTHON = sys.implementation.name == "micropython"
 

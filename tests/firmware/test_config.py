@@ -83,7 +83,7 @@ def test_refusals_name_the_key_its_value_and_what_is_allowed():
         ({"motors": {"channels": [0, 2, 4]}}, "motors.channels = [0, 2, 4]: 5 values are needed, one for each axle, not 3"),
         ({"motors": {"channels": [0, 1, 4, 6, 8]}}, "motors.channels = [0, 1, 4, 6, 8]: output 1 is used twice"),
         ({"servos": {"channels": [0, 1, 2, 3, 4, 5, 6, 7, 8, 8]}}, "servos.channels = [0, 1, 2, 3, 4, 5, 6, 7, 8, 8]: output 8 is used twice"),
-        ({"motors": {"left": "0x40"}}, "motors.left = \"0x40\": already the address of servos.address"),
+        ({"motors": {"left": "0x40"}}, 'motors.left = "0x40": already the address of servos.address'),
         ({"motors": {"left": 0x70}}, "motors.left = 112: an address 0x40 .. 0x7f but not 0x70 is needed"),
         ({"motors": {"left": "left"}}, 'motors.left = "left": an address 0x40 .. 0x7f but not 0x70 is needed'),
         ({"pins": {"battery": 33}}, "pins.battery = 33: already the pin of pins.output_enable"),

@@ -2,9 +2,10 @@
 
 from array import array
 
+from rooms import Still
+
 from params.config import Config
 from planner.cost_to_go import CostToGo
-from rooms import Still
 
 
 class _Points:

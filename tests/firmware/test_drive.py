@@ -4,9 +4,10 @@ from math import exp
 from time import ticks_add
 
 import micropython
-from params.config import Config
-from actuation.drive import Drive
 from fake_chips import FakeBus, FakePin
+
+from actuation.drive import Drive
+from params.config import Config
 from pca9685 import PCA9685
 from steering import Steering
 

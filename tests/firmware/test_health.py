@@ -1,7 +1,8 @@
 """health.py: what stops the robot, and what does not."""
 
-from safety import health
 import micropython
+
+from safety import health
 from safety.health import Health
 
 

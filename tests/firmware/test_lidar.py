@@ -1,6 +1,7 @@
 """lidar.py: frames of the Delta family out of any stream of bytes."""
 
 import micropython
+
 from lidar import Lidar
 
 FRAME_A = (  # vendor's Delta-2A example: 6.50 r/s, 270 deg, 47 points

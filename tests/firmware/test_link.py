@@ -5,12 +5,13 @@ import struct
 from array import array
 
 import micropython
+
 from link import telemetry
 from link.auth import tag
-from safety.health import STOP_BUTTON
+from link.frames import decode, frame
 from link.link import Link
 from link.telemetry import Decoder, copy
-from link.frames import decode, frame
+from safety.health import STOP_BUTTON
 
 SESSION = b"sessions"
 KEY = b"k" * 32
@@ -64,7 +65,7 @@ class Part:
     chips, uptime_ms, heap_free, worst_us, battery_mv = True, 5000, 60000, 4000, 7400
     n = 38
     frame_us = 77
-    bearings = array("H", range(0, 38))
+    bearings = array("H", range(38))
     distances = array("H", [4000] * 38)
 
 

@@ -2,8 +2,9 @@
 
 from array import array
 
-from params.config import Config
 from rooms import FRAMES, Sight, Still
+
+from params.config import Config
 from perception.local_map import LocalMap
 
 _MOST = 320

@@ -3,15 +3,16 @@
 import sys
 
 import micropython
-import robot as loop
 import rooms
-from avoid import Avoid
-from params.config import Config
-from actuation.drive import Drive
 from fake_chips import FakeBus, FakePin
-from safety.health import Health
+
+import robot as loop
+from actuation.drive import Drive
+from avoid import Avoid
 from lidar import Lidar
+from params.config import Config
 from pca9685 import PCA9685
+from safety.health import Health
 from steering import Steering
 
 # The emulation of viper is a hundred times slower: there the loop is only run to see that it can be.

@@ -2,6 +2,7 @@
 
 import micropython
 from fake_chips import FakeBus
+
 from pca9685 import PCA9685
 
 
@@ -150,9 +151,9 @@ def test_deinit_switches_off():
 
 def test_bad_addresses_and_channels_are_refused():
     for address in (0x3F, 0x80, 0x70):
-        assert "0x%02x" % address in _error(lambda: PCA9685(None, address))
+        assert "0x%02x" % address in _error(lambda address=address: PCA9685(None, address))
     for channels in (0, 17):
-        assert "16" in _error(lambda: PCA9685(None, channels=channels))
+        assert "16" in _error(lambda address=address: PCA9685(None, channels=channels))
 
 
 def test_nothing_is_allocated_in_use():

@@ -1,8 +1,8 @@
 """texts.py: a text for each number."""
 
-from safety import health
-from planner import reasons
 from link.reason_texts import FAULTS, REASONS
+from planner import reasons
+from safety import health
 
 
 def _numbers(module):

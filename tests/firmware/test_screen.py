@@ -1,6 +1,7 @@
 """screen.py: short lines, only when something changed, and buttons in whatever pieces they come."""
 
 import micropython
+
 from link.screen import Screen
 
 

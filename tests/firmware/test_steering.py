@@ -183,8 +183,18 @@ def test_no_wheel_folds_within_60_degrees():
 def test_modes_of_the_papers():
     steering = Steering(SPACINGS, TRACK)
     for af, ar, mode in (
-        (300, -200, ADVERSE), (-10, 10, ADVERSE), (900, -899, ADVERSE), (0, 200, FIRST_STRAIGHT), (-300, 0, LAST_STRAIGHT), (900, -900, SPIN),
-        (-900, 900, SPIN), (900, 900, LATERAL), (-900, -900, LATERAL), (300, 300, LATERAL), (300, 200, SAME_PHASE), (-300, -380, SAME_PHASE),
+        (300, -200, ADVERSE),
+        (-10, 10, ADVERSE),
+        (900, -899, ADVERSE),
+        (0, 200, FIRST_STRAIGHT),
+        (-300, 0, LAST_STRAIGHT),
+        (900, -900, SPIN),
+        (-900, 900, SPIN),
+        (900, 900, LATERAL),
+        (-900, -900, LATERAL),
+        (300, 300, LATERAL),
+        (300, 200, SAME_PHASE),
+        (-300, -380, SAME_PHASE),
         (0, 0, STRAIGHT),
     ):
         steering.solve(af, ar)

@@ -3,9 +3,10 @@
 import struct
 
 import micropython
+
 from link import telemetry
-from link.telemetry import Decoder, Encoder
 from link.frames import decode, frame
+from link.telemetry import Decoder, Encoder
 
 
 def test_a_frame_comes_back():

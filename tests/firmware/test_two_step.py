@@ -4,10 +4,10 @@ from array import array
 
 from params.config import Config
 from planner.candidates import LENGTHS, Candidates
-from planner.cost_to_go import CostToGo
-from planner.two_step import TwoStep
 from planner.collision import CollisionCheck
+from planner.cost_to_go import CostToGo
 from planner.move_cost import NOTHING, MoveCost
+from planner.two_step import TwoStep
 
 _config = Config()
 _env = Candidates(_config)

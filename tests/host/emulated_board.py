@@ -20,7 +20,7 @@ from emulated_rom import ESP32_MAGIC, MAC, Flash, Loader
 _WINDOW = 128  # bytes of raw paste the board takes before it grants more
 _RESET = 42  # exit status that stands for machine.reset()
 _RAW = b"raw REPL; CTRL-B to exit\r\n>"
-_FRIENDLY = b"\r\nMicroPython v1.24.0 on 2024-10-25; Generic ESP32 module with ESP32\r\nType \"help()\" for more information.\r\n>>> "
+_FRIENDLY = b'\r\nMicroPython v1.24.0 on 2024-10-25; Generic ESP32 module with ESP32\r\nType "help()" for more information.\r\n>>> '
 
 # Runs in the MicroPython of the board: snippets come in with their length before them, and leave as the raw REPL puts it
 _DRIVER = """
@@ -76,9 +76,7 @@ class EmulatedBoard:
     magic, spoil: see `emulated_rom.Loader`. deaf: MicroPython never answers, as when a program does not let go of the prompt.
     """
 
-    def __init__(
-        self, folder: Path, hello: bytes = b"", file_space: int = 0x200000, magic: int = ESP32_MAGIC, spoil: bool = False, deaf: bool = False
-    ):
+    def __init__(self, folder: Path, hello: bytes = b"", file_space: int = 0x200000, magic: int = ESP32_MAGIC, spoil: bool = False, deaf: bool = False):
         self.flash = Flash(folder / "flash.bin")
         self.loader = Loader(self.flash, self._send, magic, spoil)
         self.hello, self.file_space, self.deaf = hello, file_space, deaf

@@ -9,7 +9,7 @@ import pytest
 from host.bench import blocks, cli, costs, machine_code, scans, stages, surprise
 from host.bench.measure import module_of
 
-LOOPS = textwrap.dedent('''
+LOOPS = textwrap.dedent("""
     import micropython
 
     @micropython.viper
@@ -25,7 +25,7 @@ LOOPS = textwrap.dedent('''
         for i in range(n):
             s += p[i]
         return s
-''')
+""")
 
 
 def body_of(cutter, function):
@@ -79,11 +79,26 @@ def test_surprise_is_a_frame_with_a_right_check():
 
 
 def test_slices_make_a_decision_and_a_guard_makes_a_reaction():
-    log = type("Log", (), {"rows": np.array([
-        (stages.POLL, 120_000, 500, 0), (stages.PLACE, 60_000, 0, 0), (stages.GUARD, 60_000, 0, 0), (stages.WORK, 240_000, 0, 0),
-        (stages.POLL, 120_000, 500, 10_000), (stages.PLACE, 60_000, 0, 10_000), (stages.GUARD, 60_000, 1, 10_000), (stages.WORK, 120_000, 1, 10_000),
-        (stages.COMMAND, 12_000, 0, 10_000), (stages.UPDATE, 120_000, 3000, 13_000),
-    ])})
+    log = type(
+        "Log",
+        (),
+        {
+            "rows": np.array(
+                [
+                    (stages.POLL, 120_000, 500, 0),
+                    (stages.PLACE, 60_000, 0, 0),
+                    (stages.GUARD, 60_000, 0, 0),
+                    (stages.WORK, 240_000, 0, 0),
+                    (stages.POLL, 120_000, 500, 10_000),
+                    (stages.PLACE, 60_000, 0, 10_000),
+                    (stages.GUARD, 60_000, 1, 10_000),
+                    (stages.WORK, 120_000, 1, 10_000),
+                    (stages.COMMAND, 12_000, 0, 10_000),
+                    (stages.UPDATE, 120_000, 3000, 13_000),
+                ]
+            )
+        },
+    )
     found = stages.samples(log, modelled=True)
     assert found.whole == [pytest.approx(costs.us(360_000))]
     assert found.decision == [pytest.approx(2000), pytest.approx(1000)]
@@ -94,10 +109,25 @@ def test_slices_make_a_decision_and_a_guard_makes_a_reaction():
 
 
 def test_going_on_with_a_plan_is_no_decision_in_full():
-    log = type("Log", (), {"rows": np.array([
-        (stages.WORK, 50, 0, 0), (stages.WORK, 200, 1, 0), (stages.PAPER, 900, 7, 0), (stages.PAPER_FULL, 900, 7, 0),
-        (stages.WORK, 30, 0, 10), (stages.WORK, 10, 2, 10), (stages.PAPER, 800, 7, 10), (stages.WORK, 100, 1, 20), (stages.PAPER_FULL, 700, 7, 20),
-    ])})
+    log = type(
+        "Log",
+        (),
+        {
+            "rows": np.array(
+                [
+                    (stages.WORK, 50, 0, 0),
+                    (stages.WORK, 200, 1, 0),
+                    (stages.PAPER, 900, 7, 0),
+                    (stages.PAPER_FULL, 900, 7, 0),
+                    (stages.WORK, 30, 0, 10),
+                    (stages.WORK, 10, 2, 10),
+                    (stages.PAPER, 800, 7, 10),
+                    (stages.WORK, 100, 1, 20),
+                    (stages.PAPER_FULL, 700, 7, 20),
+                ]
+            )
+        },
+    )
     found = stages.samples(log, modelled=False)
     assert found.count == 3 and found.whole == [250, 130]
     assert found.paper == [900, 800] and found.paper_of == [250, 40]
@@ -105,11 +135,23 @@ def test_going_on_with_a_plan_is_no_decision_in_full():
 
 
 def test_a_stop_by_the_guard_waits_for_no_servo_period():
-    log = type("Log", (), {"rows": np.array([
-        (stages.START, 1_200_000, 0, 0), (stages.POLL, 120_000, 500, 10_000), (stages.PLACE, 60_000, 0, 10_000),
-        (stages.GUARD, 60_000, 1, 10_000), (stages.STOP, 12_000, 200, 10_200), (stages.WORK, 120_000, 1, 10_200),
-        (stages.UPDATE, 120_000, 3000, 28_000),
-    ])})
+    log = type(
+        "Log",
+        (),
+        {
+            "rows": np.array(
+                [
+                    (stages.START, 1_200_000, 0, 0),
+                    (stages.POLL, 120_000, 500, 10_000),
+                    (stages.PLACE, 60_000, 0, 10_000),
+                    (stages.GUARD, 60_000, 1, 10_000),
+                    (stages.STOP, 12_000, 200, 10_200),
+                    (stages.WORK, 120_000, 1, 10_200),
+                    (stages.UPDATE, 120_000, 3000, 28_000),
+                ]
+            )
+        },
+    )
     found = stages.samples(log, modelled=True)
     assert found.reaction == [pytest.approx(500 + 2000 + 100)]
     assert found.start == [pytest.approx(10_000 + 10_200)]

@@ -13,8 +13,8 @@ from host.export import frames, scans
 from host.recording import Decision, Header, Pose, Stream, Writer
 
 compat.install()
-from link import telemetry  # noqa: E402
-from link import frames as whole_frames  # noqa: E402
+from link import frames as whole_frames
+from link import telemetry
 
 REASONS = ("waiting", "way ahead is free")
 ROBOT = json.dumps({"robot": {"width": 250, "length": 600}, "lidar": {"x": 10, "y": 20}})

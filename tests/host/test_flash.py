@@ -22,8 +22,8 @@ from host.flash import board, build, flow, hello, image, keep, places, ports, re
 from host.flash.errors import FlashError
 
 compat.install()
-from link import telemetry  # noqa: E402
-from link import frames as whole_frames  # noqa: E402
+from link import frames as whole_frames
+from link import telemetry
 
 HELLO = b"starting\r\n" + whole_frames.frame(telemetry.HELLO, bytes(12) + b'{"firmware": "0.1.0", "robot": "twin"}')
 IDENTITY = MAC.hex()

@@ -16,9 +16,8 @@ from pathlib import Path
 import pytest
 
 from host import recording
-from host.link import AddressError, LinkError, connect
+from host.link import AddressError, LinkError, connect, messages, radio
 from host.link import address as addresses
-from host.link import messages, radio
 from host.link.messages import telemetry, whole_frames
 from host.recording import Stream
 

@@ -73,4 +73,3 @@ def test_it_drives_in_that_heap(mode, width):
     assert not result.summary()["contacts"]
     if mode == "naws":
         assert {decision.ar for decision in result.log} == {0}  # the last axle stays straight
-

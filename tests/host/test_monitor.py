@@ -243,8 +243,8 @@ def test_without_a_robot_the_twin_is_offered(monkeypatch, capsys):
     from host.link import discover
     from host.monitor import cli
 
-    monkeypatch.setattr(discover, "boards", lambda: [])
-    monkeypatch.setattr(discover, "robots", lambda: [])
+    monkeypatch.setattr(discover, "boards", list)
+    monkeypatch.setattr(discover, "robots", list)
     assert cli.main([]) == 1 and "python -m host.monitor 'twin:z" in capsys.readouterr().err
     monkeypatch.setattr(discover, "robots", lambda: [("udp:10.0.0.7", {})])
     assert cli.find() == "udp:10.0.0.7"

@@ -47,9 +47,7 @@ class Monitor:
     """A monitor in a process of its own, as a person starts it, with its page open."""
 
     def __init__(self, browser, address, *options):
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "host.monitor", address, "--no-browser", *options], stdout=subprocess.PIPE, text=True, cwd=ROOT
-        )
+        self.process = subprocess.Popen([sys.executable, "-m", "host.monitor", address, "--no-browser", *options], stdout=subprocess.PIPE, text=True, cwd=ROOT)
         self.url = self.process.stdout.readline().split()[-1]
         self.browser = browser
         browser.get(self.url)
@@ -213,9 +211,7 @@ def test_a_drive_is_recorded_and_replayed(monitor, tmp_path):
 
 def test_it_fits_a_phone(monitor):
     page = monitor("twin:z?width=620")
-    page.browser.execute_cdp_cmd(
-        "Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
-    )
+    page.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True})
     try:
         assert page.until(lambda: page.text("state") == "auto" and page.speeds() and max(page.speeds()) > 100)
         assert page.browser.execute_script("return document.documentElement.scrollWidth <= innerWidth")

@@ -31,9 +31,7 @@ for address in (0x41, 0x42):
 while True:
     time.sleep_ms(20)
 """
-KEYS = {
-    "course", "width_mm", "seed", "mode", "engine", "result", "time_s", "min_clearance_mm", "contacts", "scrub_mm_s", "decisions", "wall_s"
-}
+KEYS = {"course", "width_mm", "seed", "mode", "engine", "result", "time_s", "min_clearance_mm", "contacts", "scrub_mm_s", "decisions", "wall_s"}
 
 
 @pytest.fixture

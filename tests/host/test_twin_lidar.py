@@ -62,7 +62,7 @@ def test_noise_dropouts_and_steps():
     lidar = running()
     ranges = []
     for _ in range(160):
-        (_, points), = decode_delta(bytearray(lidar.take(standing(275, -50, 0))))
+        ((_, points),) = decode_delta(bytearray(lidar.take(standing(275, -50, 0))))
         ranges += [p.dist_mm for p in points if abs(p.angle_deg - 90) < 3]
     ranges = np.array(ranges)
     assert 0 <= (ranges == 0).mean() < 0.04
@@ -71,7 +71,7 @@ def test_noise_dropouts_and_steps():
 
 def test_too_near_and_too_far_give_no_return():
     lidar = running()
-    for x, bearing in ((150, 270), ):
+    for x, bearing in ((150, 270),):
         data = bytearray().join(lidar.take(standing(x, -50, 0)) for _ in range(16))
         near = [p for _, scan in decode_delta(data) for p in scan if abs(p.angle_deg - bearing) < 30]
         assert near and all(p.dist_mm == 0 and p.quality == 0 for p in near)
@@ -109,8 +109,8 @@ def test_every_point_is_measured_where_the_body_was_then():
         return 275 + (times - start) / 1e3, np.full(len(times), -50.0), np.zeros(len(times))
 
     frames = [lidar.take(fast) for _ in range(16)]
-    (_, right), = decode_delta(bytearray(frames[4]))  # begins at 90 deg: the right wall, a quarter turn later
-    (_, left), = decode_delta(bytearray(frames[12]))
+    ((_, right),) = decode_delta(bytearray(frames[4]))  # begins at 90 deg: the right wall, a quarter turn later
+    ((_, left),) = decode_delta(bytearray(frames[12]))
     quarter = 1 / lidar.speed / 4 * 1000
     assert np.median([p.dist_mm for p in right[:4]]) == pytest.approx(275 - quarter, abs=6)
     assert np.median([p.dist_mm for p in left[:4]]) == pytest.approx(275 + 3 * quarter, abs=6)

@@ -16,6 +16,7 @@ from time import ticks_add, ticks_diff
 
 import micropython
 from micropython import const
+
 from actuation.outputs import Outputs
 from steering import Steering
 

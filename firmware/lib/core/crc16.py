@@ -4,7 +4,6 @@ from array import array
 
 import micropython
 
-
 TABLE = array("H", range(16))
 for _nibble in range(16):
     _value = _nibble

@@ -14,12 +14,13 @@ What is told again and again is dropped, and counted, when a carrier is too slow
 
 from time import ticks_diff
 
+from micropython import const
+
 from link import telemetry
 from link.commands import Commands
-from safety.health import STOP_BUTTON
-from micropython import const
 from link.messages import Messages, ScanGatherer, parameters
 from link.telemetry import Encoder
+from safety.health import STOP_BUTTON
 
 # How often each message goes out. Together they keep within half of what the USB line carries, scans not counted.
 _WHEELS_US = const(50_000)
@@ -225,7 +226,11 @@ class Link:
         """Compose the most urgent of the long messages; 0 when none is due."""
         report, commands = self._report, self._commands
         avoid = robot.avoid
-        if avoid.points_count >= 0 and self._points_of != self._decisions and self._due(now_us, self._points_us, max(_POINTS_US, avoid.points_count * _POINT_US)):
+        if (
+            avoid.points_count >= 0
+            and self._points_of != self._decisions
+            and self._due(now_us, self._points_us, max(_POINTS_US, avoid.points_count * _POINT_US))
+        ):
             self._points_us = now_us
             self._points_of = self._decisions
             return report.points(avoid, now_us)

@@ -5,8 +5,9 @@ import struct
 from struct import calcsize
 
 from link import telemetry
-from params.config import key_of
 from link.telemetry import HEADER, TIME_MASK, copy
+from params.config import key_of
+
 
 def parameters(config):
     """How many PARAMETERs there are: the live ones and the trims."""
@@ -54,9 +55,7 @@ class Messages:
         data = self._encoder.data
         steering = drive.steering
         count = 2 * steering.n
-        struct.pack_into(
-            telemetry.WHEELS_FORMAT, data, HEADER, now_us & TIME_MASK, drive.af, drive.ar, drive.v256, steering.folded, count
-        )
+        struct.pack_into(telemetry.WHEELS_FORMAT, data, HEADER, now_us & TIME_MASK, drive.af, drive.ar, drive.v256, steering.folded, count)
         at = HEADER + calcsize(telemetry.WHEELS_FORMAT)
         copy(steering.angles, 0, 2 * count, data, at)
         copy(steering.shares, 0, 2 * count, data, at + 2 * count)
@@ -147,9 +146,7 @@ class ScanGatherer:
         if not count or self._used + size > telemetry.MAX_PAYLOAD:
             return
         at = self._used
-        struct.pack_into(
-            telemetry.SCAN_FORMAT, data, at, lidar.frame_us & TIME_MASK, lidar.bearings[0], lidar.bearings[count - 1], count
-        )
+        struct.pack_into(telemetry.SCAN_FORMAT, data, at, lidar.frame_us & TIME_MASK, lidar.bearings[0], lidar.bearings[count - 1], count)
         copy(lidar.distances, 0, 2 * count, data, at + calcsize(telemetry.SCAN_FORMAT))
         self._used = at + size
         self._frames += 1

@@ -2,10 +2,11 @@
 
 import os
 
-from link.serial_line import SerialLine
-from link.link import Link
 from micropython import const
+
 from core.version import VERSION
+from link.link import Link
+from link.serial_line import SerialLine
 
 _SESSION = const(8)  # auth.SESSION; that module is loaded only where there is a key
 
@@ -20,8 +21,9 @@ def start_link(config, settings, names, machine):
     remarks = []
     if config.wifi_ssid:
         try:
-            import network
             import socket
+
+            import network
 
             from link.radio import Datagrams, start_radio
 

@@ -54,8 +54,6 @@ whoever holds the cable can also press reset.
 Everything here runs on MicroPython and CPython alike. Sending allocates nothing.
 """
 
-import struct
-
 import micropython
 from micropython import const
 

@@ -4,7 +4,6 @@ import json
 
 from core.unload import unload
 
-
 # Attributes of which the first must not exceed the second
 _ORDER = (("windows_red", "windows_blue"), ("avoid_margin", "avoid_soft_margin"), ("battery_empty", "battery_low"))
 

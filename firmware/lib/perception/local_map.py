@@ -125,8 +125,7 @@ def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int
 
 
 @micropython.viper
-def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
-           fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
+def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
     """Put the points of one frame on the floor, each from where the body was then: the scan rolls while the robot moves."""
     sine = ptr32(SIN)
     # The body's pose from point to point in 2**-13 of its units, n of them more: so rounding down hits what a division would give.
@@ -232,8 +231,7 @@ def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
 
 
 @micropython.viper
-def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
-            fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
+def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
     """Drop what the frame disproves, what is too old and what is too far.
 
     A point in the frame's sector is disproved when all beams that could have met it go more than a
@@ -445,8 +443,7 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32,
 
 
 @micropython.viper
-def _view(state: ptr32, fx: ptr16, fy: ptr16, x: int, y: int, s: int, c: int, reach: int,
-          bx: ptr16, by: ptr16) -> int:
+def _view(state: ptr32, fx: ptr16, fy: ptr16, x: int, y: int, s: int, c: int, reach: int, bx: ptr16, by: ptr16) -> int:
     """Body-frame view of the points within reach: mm + 8192. Returns their number."""
     count = state[0]
     n = 0
@@ -509,8 +506,18 @@ class LocalMap:
         if not -_LATEST_US <= late <= _LATEST_US:
             late = _LATE_US
         state = self._state
-        _locate(state, odometry.x, odometry.y, odometry.heading, odometry.step_x, odometry.step_y, odometry.step_heading,
-                odometry.travel256, late >> 4, lidar.period_us >> 4)
+        _locate(
+            state,
+            odometry.x,
+            odometry.y,
+            odometry.heading,
+            odometry.step_x,
+            odometry.step_y,
+            odometry.step_heading,
+            odometry.travel256,
+            late >> 4,
+            lidar.period_us >> 4,
+        )
         bearings = lidar.bearings
         distances = lidar.distances
         fx = self._fx

@@ -8,6 +8,7 @@ of it; it drifts by the few per cent the wheels slip.
 from time import ticks_add, ticks_diff
 
 from micropython import const
+
 from core.trig import cos14, sin14
 
 _STEP_US = const(10_000)

@@ -1,15 +1,15 @@
 """Windows and zones: how urgent a point is, and on which side of the body it stands (paper A, section 4.1).
 
-    window  1 green   inside the body's outline: a collision
-            2 red     within the emergency margin
-            3 blue    within the caution margin
-            4 yellow  within the planning window
-            0         none of them: dropped
+window  1 green   inside the body's outline: a collision
+        2 red     within the emergency margin
+        3 blue    within the caution margin
+        4 yellow  within the planning window
+        0         none of them: dropped
 
-    zone    9 | 0 | 1     0 front, 1 right front corner, 2 and 3 right side front and rear half,
-            8 |   | 2     4 right rear corner, 5 rear, 6 left rear corner, 7 and 8 left side rear and front half,
-            7 |   | 3     9 left front corner
-            6 | 5 | 4
+zone    9 | 0 | 1     0 front, 1 right front corner, 2 and 3 right side front and rear half,
+        8 |   | 2     4 right rear corner, 5 rear, 6 left rear corner, 7 and 8 left side rear and front half,
+        7 |   | 3     9 left front corner
+        6 | 5 | 4
 """
 
 from array import array

@@ -14,8 +14,8 @@ Coordinates: body frame, mm + 8192 (never negative). Lengths: travel of the fast
 
 from micropython import const
 
-from core.unload import unload
 from core.trig import cos14, sin14
+from core.unload import unload
 
 BIAS = const(8192)
 LENGTHS = const(5)

@@ -13,6 +13,7 @@ from math import atan, pi
 
 import micropython
 from micropython import const
+
 from core.trig import SIN
 
 # Fields of the job: what to test against what.

@@ -21,9 +21,9 @@ from array import array
 import micropython
 from micropython import const
 
+from core.unload import unload
 from planner import heading_branch
 from planner.queue import LENGTH
-from core.unload import unload
 
 _POINTS = const(37)  # closed in one slice
 _POSES = const(245)  # spread in one slice
@@ -428,7 +428,9 @@ class CostToGo:
             _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state, self._inward)
             self._stage = 4
         elif stage == 4:
-            if self._spread(self.cost, self._closed, self._tight, self._weight, self._queue, self._ways, self._state, _POSES_STRAIGHT if self._straight else _POSES):
+            if self._spread(
+                self.cost, self._closed, self._tight, self._weight, self._queue, self._ways, self._state, _POSES_STRAIGHT if self._straight else _POSES
+            ):
                 self.corner_x = self._job[0]
                 self.corner_y = self._job[1]
                 self._stage = 0

@@ -8,6 +8,7 @@ are those of two noses.
 
 import micropython
 from micropython import const
+
 from core.trig import cos14, sin14
 
 _N = const(30)

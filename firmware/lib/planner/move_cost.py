@@ -12,9 +12,9 @@ from array import array
 import micropython
 from micropython import const
 
+from core.trig import cos14, sin14
 from planner.candidates import LENGTHS
 from planner.cost_to_go import sample
-from core.trig import cos14, sin14
 
 NOTHING = const(65535)
 _SLICE = const(1800)  # candidate tests in one slice

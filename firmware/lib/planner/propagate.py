@@ -4,8 +4,9 @@ A robot whose last axle stays straight has field_spread_naws.py instead.
 """
 
 import micropython
-from planner.queue import raise_limit
 from micropython import const
+
+from planner.queue import raise_limit
 
 _QUEUE = const(1536)  # as in field_queue.py
 

@@ -5,8 +5,9 @@ orientation is taken to be the one nearer to where it points now, and the orient
 """
 
 import micropython
-from planner.queue import raise_limit
 from micropython import const
+
+from planner.queue import raise_limit
 
 _QUEUE = const(1536)  # as in field_queue.py
 

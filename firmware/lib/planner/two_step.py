@@ -5,10 +5,11 @@ Whether a long body gets round a corner depends on where its turn begins, to the
 
 from array import array
 
-from planner.candidates import LENGTHS
 from micropython import const
-from planner.collision import BAND_MM, drop_behind, mirror, move, sort_near
+
 from core.trig import cos14, sin14
+from planner.candidates import LENGTHS
+from planner.collision import BAND_MM, drop_behind, mirror, move, sort_near
 from planner.move_cost import NOTHING, best, in_a_slice, suppress
 
 _COARSE = const(6)  # first moves
@@ -107,9 +108,7 @@ class TwoStep:
         stride = 2 if first < env.arcs else 1
         last = min(first + stride * (in_a_slice(self._left) + 1), env.ahead_end if stride == 2 else env.count)
         self._sweep.run(qx, qy, self._left, self._near, first, last, stride, env.lengths[1], self._free, self._soft, self._block)
-        self._worth.score(
-            second, self._free, self._soft, scores, first, last, stride, env.af_of(variant, candidate), env.ar_of(variant, candidate), _TO_A_SIDE
-        )
+        self._worth.score(second, self._free, self._soft, scores, first, last, stride, env.af_of(variant, candidate), env.ar_of(variant, candidate), _TO_A_SIDE)
         number = best(scores, first, last, stride)
         if number != NOTHING:
             value = self._score[at] + scores[number]

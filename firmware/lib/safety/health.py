@@ -1,7 +1,7 @@
 """Is the robot fit to drive? Looks at stop button, lidar, chips, battery, loop time and heap; the first thing that is not well stops it.
 
-    if not health.check(now_us):
-        drive.stop()                 # health.fault says why
+if not health.check(now_us):
+    drive.stop()                 # health.fault says why
 """
 
 import gc

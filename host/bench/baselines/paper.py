@@ -9,6 +9,7 @@ from math import atan, atan2, pi, sqrt, tan
 COMPENSATION = 35.0  # Delta L, mm: how much farther out the body's outer corner runs than the wheel; the papers leave it open
 STRAIGHT = 1e6  # radius that stands for a straight line, mm
 
+
 def hypot(x, y):
     return sqrt(x * x + y * y)
 
@@ -62,7 +63,7 @@ class Planner:
     def iterate(self, inside, outside, right):
         """The two-level iteration for one gap; the left is the mirror of the right, (19) and (20)."""
         side = 1 if right else -1
-        for af in range(0, 61):
+        for af in range(61):
             for ar in range(0, -61, -1):
                 if self.passes(af, ar, side * inside[0], inside[1], outside and (side * outside[0], outside[1])):
                     return side * af, side * ar

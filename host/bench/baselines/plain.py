@@ -6,6 +6,7 @@ outline, and how long the fastest wheel travels until then.
 
 from math import atan2, cos, pi, sin, sqrt, tan
 
+
 def hypot(x, y):
     return sqrt(x * x + y * y)
 

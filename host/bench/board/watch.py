@@ -183,7 +183,17 @@ class Counter(Watch):
         self.counters = COUNTERS
         self.worst = [0] * KINDS
         self.worst_counters = [array("i", bytes(4 * self.size)) for _ in range(KINDS)]
-        self.kinds = {"poll": POLL, "frame": PLACE, "guard": GUARD, "work": WORK, "command": COMMAND, "update": UPDATE, "advance": FEED, "step": TURN, "stop": STOP}
+        self.kinds = {
+            "poll": POLL,
+            "frame": PLACE,
+            "guard": GUARD,
+            "work": WORK,
+            "command": COMMAND,
+            "update": UPDATE,
+            "advance": FEED,
+            "step": TURN,
+            "stop": STOP,
+        }
         super().__init__(robot)
         log.write(START, _sum(COUNTERS, self.costs, self.size), 0)  # all that came before the loop
 

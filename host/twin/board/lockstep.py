@@ -232,8 +232,20 @@ def _probe():
         return
     _seen = avoid.decisions
     struct.pack_into(
-        "<11i", _request, 24, _seen, avoid.af, avoid.ar, avoid.v, avoid.mode, avoid.window, avoid.zone, avoid.free,
-        avoid.block_x, avoid.block_y, avoid.why,
+        "<11i",
+        _request,
+        24,
+        _seen,
+        avoid.af,
+        avoid.ar,
+        avoid.v,
+        avoid.mode,
+        avoid.window,
+        avoid.zone,
+        avoid.free,
+        avoid.block_x,
+        avoid.block_y,
+        avoid.why,
     )
 
 

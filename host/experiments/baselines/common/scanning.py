@@ -5,9 +5,9 @@ In the place of the firmware's own planner; see docs/architecture.md for the int
 
 from array import array
 
-from planner import reasons
 from core.trig import cos14, sin14
 from perception.windows import NO_ZONE, Windows
+from planner import reasons
 
 _FRAMES = 64
 _EACH = 80

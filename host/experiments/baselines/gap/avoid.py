@@ -7,9 +7,10 @@ Source: Sezer and Gokasan, A novel obstacle avoidance algorithm: Follow the Gap 
 
 from math import asin, atan2, pi, sqrt
 
-from planner import reasons
 from disc import radius, reach
 from scanning import Scanning
+
+from planner import reasons
 
 _STEP = 3  # degrees a bearing
 _SIDE = 40  # bearings to each side: 120 degrees

@@ -4,9 +4,10 @@ Once a revolution, from that revolution's points alone. Where the papers are sil
 """
 
 import paper
-from planner import reasons
 from scanning import LOOK_AHEAD, Scanning
+
 from perception.windows import BLUE, RED
+from planner import reasons
 
 _BESIDE = 150  # mm: an obstacle so near beside the body bars the way to that side
 _CRUISE = 108
