@@ -9,6 +9,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from host.twin import image
+from host.version import add_version
 
 from . import scans, stages
 from .machine_code import FormatError
@@ -144,6 +145,7 @@ def _parser():
         description="Measure how long the firmware's stages take, here and on the ESP32 (modelled).",
         epilog="exit code: 0 done, 2 bad arguments or the firmware did not run",
     )
+    add_version(parser)
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--quick", action="store_true", help="two short runs instead of thirteen long ones")
     which.add_argument("--all-courses", action="store_true", help="the worst of each stage over a hundred runs of all kinds, modelled only; ten minutes")

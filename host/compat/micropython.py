@@ -26,8 +26,8 @@ def viper(function):
         return function
 
     @wraps(function)
-    def call(*arguments):
-        arguments = list(arguments)
+    def call(*given):
+        arguments = list(given)
         for position, convert in pointers:
             arguments[position] = convert(arguments[position])
         return function(*arguments)

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from host.twin import image
+from host.version import add_version
 
 from . import campaign, plan, planners, report
 from .store import Store
@@ -46,6 +47,7 @@ def _parser():
         description="Run the papers' experiments in the twin and write docs/results.md.",
         epilog="Finished runs are kept: the same command goes on where it was broken off. Exit code: 0 done, 1 broken off or a run failed, 2 bad arguments",
     )
+    add_version(parser)
     add = parser.add_argument
     add("--quick", action="store_true", help="a taste of every section in about a minute, written to out/experiments-quick")
     add("--seeds", type=_positive, default=SEEDS, metavar="N", help=f"runs for each width of the pass rates (default {SEEDS})")

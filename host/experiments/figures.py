@@ -117,7 +117,7 @@ def _course(axes, entries, outlines=False):
     axes.set_facecolor(OUTSIDE)
     floor = axes.add_patch(Polygon(turn(layout.floor), closed=True, facecolor=FLOOR))
     walls = layout.segments[: len(layout.segments) - 4 * len(layout.boxes)].reshape(-1, 2, 2)
-    axes.add_collection(LineCollection(turn(walls), colors=WALL, linewidths=1.6, capstyle="round", zorder=5))
+    axes.add_collection(LineCollection(list(turn(walls)), colors=WALL, linewidths=1.6, capstyle="round", zorder=5))
     for box in layout.boxes:
         axes.add_patch(Polygon(turn(box), closed=True, facecolor=BOX, edgecolor=WALL, linewidth=1, zorder=4)).set_clip_path(floor)
     for i, (entry, track) in enumerate(zip(entries, tracks)):

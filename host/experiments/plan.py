@@ -3,6 +3,7 @@
 import hashlib
 import json
 from dataclasses import asdict, dataclass
+from typing import Any
 
 PAPER_WIDTHS = (620, 600, 580, 550, 500)
 AWS, NAWS, RULE24, DISC_ROUND, DISC_NARROW = "aws", "naws", "rule24", "disc-round", "disc-narrow"
@@ -14,16 +15,18 @@ RATE_WIDTHS = {
     DISC_NARROW: (900, 800, 700, 660, 620, 550, 500, 400),
 }
 # The three, five and six experiments of sections 6.2 to 6.4 of paper A: widths from its ranges, one at least entered from the other end.
-S_RUNS = ({"course": "S", "width": 575}, {"course": "S-sharp", "width": 500}, {"course": "S-sharp", "width": 500, "reverse": True})
-U_RUNS = (
+S_RUNS: tuple[dict[str, Any], ...] = ({"course": "S", "width": 575}, {"course": "S-sharp", "width": 500}, {"course": "S-sharp", "width": 500, "reverse": True})
+U_RUNS: tuple[dict[str, Any], ...] = (
     {"course": "U", "width": 670},
     {"course": "U", "width": 600},
     {"course": "U", "width": 560},
     {"course": "U", "width": 520},
     {"course": "U", "width": 520, "reverse": True},
 )
-RANDOM_RUNS = tuple({"course": "random", "gap": gap, "seed": seed} for gap, seed in ((450, 1), (450, 2), (400, 3), (400, 4), (340, 5), (340, 6)))
-TIMED = tuple({"course": "Z", "width": width, "mode": mode} for width in (620, 600, 580, 550) for mode in (AWS, NAWS))  # figure 23
+RANDOM_RUNS: tuple[dict[str, Any], ...] = tuple(
+    {"course": "random", "gap": gap, "seed": seed} for gap, seed in ((450, 1), (450, 2), (400, 3), (400, 4), (340, 5), (340, 6))
+)
+TIMED: tuple[dict[str, Any], ...] = tuple({"course": "Z", "width": width, "mode": mode} for width in (620, 600, 580, 550) for mode in (AWS, NAWS))  # figure 23
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,7 @@ class Run:
 
 def plan(quick=False, seeds=5):
     """All runs: those first that are shown. quick: a taste of each section."""
-    shown = {}
+    shown: dict = {}
     for run in _shown(quick):
         shown[run] = None
     rates = RATE_WIDTHS if not quick else dict.fromkeys(RATE_WIDTHS, (600, 500))

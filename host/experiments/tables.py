@@ -31,7 +31,7 @@ def counts(entries):
 
 def rates(done):
     """{planner: {width: (passed without touching, runs)}} of the Z course, at the widths driven with all seeds."""
-    out = {}
+    out: dict = {}
     for run, entry in done.items():
         if run.course == "Z" and not run.timed:
             passed, runs = out.setdefault(run.planner, {}).get(run.width, (0, 0))

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 from host.recording import Reader, RecordingError
+from host.version import add_version
 
 from . import ExportError
 
@@ -51,6 +52,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="python -m host.export", description="Turn a recording into a file that other programs open.",
         epilog="exit status: 0 done, 1 the recording was cut off (what is before the cut was exported), 2 nothing was exported",
     )  # fmt: skip
+    add_version(parser)
     parser.add_argument("file", metavar="FILE", help="recording")
     parser.add_argument("out", metavar="OUT", type=Path, help="file to write: .mcap opens in Foxglove, .csv in a spreadsheet")
     return parser

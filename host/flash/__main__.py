@@ -15,6 +15,8 @@ try:
     from . import flow, ports
 except ImportError as error:
     sys.exit(f"{error.name} is not installed for this Python; run `make setup` and use .venv/bin/python")
+from host.version import add_version
+
 from .errors import FlashError
 
 
@@ -42,6 +44,7 @@ def main(argv: list[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m host.flash", description="Put MicroPython and the firmware on an ESP32.")
+    add_version(parser)
     parser.add_argument("--deploy", action="store_true", help="copy the firmware only, and of it what changed")
     parser.add_argument("--port", help="serial port of the board; found by itself if there is only one")
     parser.add_argument("--firmware", type=Path, metavar="FILE", help="a MicroPython image of your own (no download)")

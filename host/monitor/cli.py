@@ -8,6 +8,7 @@ import webbrowser
 from host.link import AddressError, LinkError
 from host.link.address import FORMS
 from host.recording import RecordingError
+from host.version import add_version
 
 TWIN = "twin:z?width=550"
 
@@ -87,6 +88,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m host.monitor", description="See the robot, drive it, tune it, record it.", epilog="exit code: 0 closed, 1 no robot, 2 bad arguments"
     )
+    add_version(parser)
     add = parser.add_argument
     add("address", nargs="?", metavar="ADDRESS", help=f"one of: {FORMS}; without it, the robot that is found")
     add("--text", action="store_true", help="in this terminal instead of a browser")

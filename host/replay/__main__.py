@@ -21,6 +21,7 @@ from host.recording import Reader, RecordingError
 from host.twin.image import FIRMWARE, ToolMissing
 from host.twin.process import ENGINES
 from host.twin.recorder import version
+from host.version import add_version
 
 from . import compare, table
 from .rerun import rerun, settings
@@ -90,6 +91,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="python -m host.replay", description="Run a recording through the firmware again and compare what it decides.",
         epilog="exit status: 0 all the same, 1 something differs, 2 nothing to replay or wrong arguments",
     )  # fmt: skip
+    add_version(parser)
     parser.add_argument("file", metavar="FILE", help="recording")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting of robot.json: avoid.margin=20")
     parser.add_argument("--engine", choices=ENGINES, default=ENGINES[0], help="what runs the firmware")

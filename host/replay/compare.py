@@ -3,6 +3,7 @@
 from bisect import bisect_right
 from dataclasses import dataclass
 from itertools import zip_longest
+from typing import Any
 
 from host.recording import Decision
 
@@ -14,8 +15,8 @@ class Difference:
     """Time in us at which the two part; then, now: Decision, or (address, bytes) of a write; None where there is none."""
 
     time_us: int
-    then: object
-    now: object
+    then: Any
+    now: Any
 
 
 @dataclass(frozen=True)

@@ -62,7 +62,7 @@ class Tape:
 
     def take_lidar(self, time: int, most: int, room: int) -> list[tuple[int, bytes]]:
         """Up to `most` pieces of at most `room` bytes together of which a byte has arrived by the time: [(time of it, bytes)]."""
-        out = []
+        out: list[tuple[int, bytes]] = []
         while self._lidar and self._lidar[0][0] <= time and len(out) < most and len(self._lidar[0][1]) <= room:
             out.append(self._lidar.popleft())
             room -= len(out[-1][1])

@@ -15,7 +15,7 @@ def scatter(size, gap, random):
     Each is at least `gap` from every other, and at least `gap` from a wall or touching it.
     """
     width, length = size
-    boxes = []
+    boxes: list[np.ndarray] = []
     for _ in range(COUNT):
         for _ in range(TRIES):
             box = _box(random, width, length)

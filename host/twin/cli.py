@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from host.recording import RecordingError
+from host.version import add_version
 
 from . import courses
 from .console import Progress, summary_line
@@ -68,6 +69,7 @@ def _parser():
         description="Drive a course in the digital twin with the robot's own firmware.",
         epilog="exit code: 0 passed, 1 any other result, 2 bad arguments",
     )
+    add_version(parser)
     add = parser.add_argument
     add("course", metavar="COURSE", type=_course, help=", ".join(courses.NAMES))
     add("--width", type=float, metavar="MM", help="width of the passage (default 550)")
