@@ -8,7 +8,7 @@ from planner import reasons
 
 
 class Robot:
-    """The parts, joined; buses and pins were handed to them by main.py.
+    """The parts, joined; buses and pins were handed to them by core/start.py.
 
     avoid: Avoid; lidar: Lidar; drive: Drive; health: Health or None; link: Link or None (then it drives on its own); screen: Screen or None.
     took_us: computing time of the slices of the latest decision.
@@ -65,6 +65,11 @@ class Robot:
         if self.screen is not None:
             self.screen.update(now, self, link)
         return seen
+
+    def off(self):
+        """Everything off, for good. The chips go on with what they last heard: whatever ends the loop must not leave the wheels turning."""
+        self.drive.off()
+        self.lidar.stop()
 
     def _stand(self, why, seen):
         """Motors off, steering as it is; the surroundings are still looked at."""

@@ -7,9 +7,10 @@ import micropython
 
 from link import telemetry
 from link.frames import decode, frame
-from link.radio import Datagrams, start_radio
+from link.radio import Datagrams
 from link.serial_line import SerialLine
 from link.telemetry import Encoder
+from link.wifi import start_radio
 
 MICROPYTHON = sys.implementation.name == "micropython"
 

@@ -3,7 +3,6 @@
 import json
 import os
 
-from core.heap_reserve import Room
 from params.settings import Settings
 
 PATH = "test_settings_robot.json"
@@ -36,32 +35,12 @@ class Drive:
         return self.stands
 
 
-class Avoid:
-    """Planner whose tables depend on avoid.margin."""
-
-    memory = True
-    made_with = 15
-
-    def __init__(self, config=None):
-        self.config = config
-        self.candidates = self
-
-    def outdated(self, config):
-        return self.config is not None and config.get("avoid.margin") != self.made_with
-
-    def configure(self):
-        if self.outdated(self.config):
-            if not self.memory:
-                raise MemoryError("memory allocation failed")
-            self.made_with = self.config.get("avoid.margin")
-
-
 def keep(before, changes, trims=(0, 0, 0, 0)):
     """The text of the file `before` with the changes kept."""
     with open(PATH, "w") as file:
         file.write(before)
     try:
-        settings = Settings(Config(trims), Drive(), Avoid(), Room(), PATH)
+        settings = Settings(Config(trims), Drive(), PATH)
         for key, value in changes:
             settings.tune(key, value)
         settings.keep()
@@ -125,7 +104,7 @@ def test_a_file_that_is_no_longer_json_stays():
     for broken in ('{"avoid": {"margin": 15}', '{"avoid": {"margin" 15}}', "", '{"avoid": {"margin": "15}}'):
         with open(PATH, "w") as file:
             file.write(broken)
-        settings = Settings(Config(), Drive(), Avoid(), Room(), PATH)
+        settings = Settings(Config(), Drive(), PATH)
         settings.tune("avoid.margin", 20)
         assert "not JSON" in refused(settings.keep)
         with open(PATH) as file:
@@ -134,37 +113,25 @@ def test_a_file_that_is_no_longer_json_stays():
 
 
 def test_a_refused_value_is_not_kept():
-    settings = Settings(Config(), Drive(), Avoid(), Room(), PATH)
+    settings = Settings(Config(), Drive(), PATH)
     assert "0 .. 100" in refused(settings.tune, "avoid.margin", 999)
     assert settings._changed == {}
 
 
 def test_a_missing_file_is_said():
-    assert "cannot be written" in refused(Settings(Config(), Drive(), Avoid(), Room(), "missing/robot.json").keep)
+    assert "cannot be written" in refused(Settings(Config(), Drive(), "missing/robot.json").keep)
 
 
 def test_pointing_needs_a_robot_that_stands():
     drive = Drive()
-    settings = Settings(Config(), drive, Avoid(), Room(), PATH)
+    settings = Settings(Config(), drive, PATH)
     settings.point(0, 100)
     drive.stands = False
     assert "must stand" in refused(settings.point, 0, 100)
 
 
-def test_the_robot_stands_while_tables_are_made_anew():
-    config, drive = Config(), Drive()
-    avoid = Avoid(config)
-    settings = Settings(config, drive, avoid, Room(), PATH)
-    settings.tune("drive.cruise", 100)
-    assert drive.stops == 0
-    settings.tune("avoid.margin", 20)
-    assert drive.stops == 1 and avoid.made_with == 20
-
-
-def test_without_memory_for_the_tables_nothing_changes():
-    config = Config()
-    avoid = Avoid(config)
-    avoid.memory = False
-    settings = Settings(config, Drive(), avoid, Room(), PATH)
-    assert "avoid.margin: no memory" in refused(settings.tune, "avoid.margin", 20)
-    assert config.get("avoid.margin") == 15 and settings._changed == {}
+def test_margins_count_from_the_next_start():
+    settings = Settings(Config(), Drive(), PATH)
+    assert settings.tune("drive.cruise", 100) == ""
+    for key in ("avoid.margin", "avoid.soft_margin", "windows.look_ahead"):
+        assert "next start" in settings.tune(key, 20)

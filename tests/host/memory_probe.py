@@ -7,13 +7,11 @@ _SIZES = {"b": 1, "B": 1, "h": 2, "H": 2, "i": 4, "I": 4, "l": 8}
 
 
 def _arrays(thing, seen, depth=0):
-    """Bytes of all arrays and buffers that the thing leads to, the emulated board's and the reserve not counted."""
+    """Bytes of all arrays and buffers that the thing leads to, the emulated board's not counted."""
     kind = type(thing)
     if thing is None or kind in (int, str, bytes, bool, float, type) or depth > 8 or id(thing) in seen:
         return 0
     seen[id(thing)] = True
-    if kind.__name__ == "Room":
-        return sys.modules["core.heap_reserve"].BOARD_SIZE
     if kind is array:
         return len(thing) * _SIZES[repr(thing)[7]]
     if kind is bytearray:

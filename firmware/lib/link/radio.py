@@ -11,8 +11,6 @@ _COMMAND = const(200)  # longest payload of a command
 _LISTENS_US = const(3_000_000)
 _JOIN_US = const(500_000)
 
-HOST = "robot"
-
 
 class Datagrams:
     """UDP over WiFi. Frames go to whoever sent the last valid command, for 3 s after it; hellos go to everyone.
@@ -110,26 +108,3 @@ class Datagrams:
         poller.register(bound, select.POLLIN)
         self._ready = getattr(poller, "ipoll", poller.poll)
         self._socket = bound
-
-
-def start_radio(config, network):
-    """Switch WiFi on as a station or an access point and return the WLAN; it joins by itself, without waiting.
-
-    config: wifi_ssid, wifi_password, wifi_access_point (True: be the network instead of joining it). Call it early: the radio's memory must be
-    there before the heap grows into it. The robot is then robot.local for those who ask by mDNS. Raises what the network module raises for
-    credentials it does not take.
-    """
-    network.hostname(HOST)
-    if config.wifi_access_point:
-        wlan = network.WLAN(network.AP_IF)
-        wlan.active(True)
-        if config.wifi_password:
-            wlan.config(ssid=config.wifi_ssid, key=config.wifi_password, security=network.AUTH_WPA2_PSK)
-        else:
-            wlan.config(ssid=config.wifi_ssid)
-    else:
-        wlan = network.WLAN(network.STA_IF)
-        wlan.active(True)
-        wlan.connect(config.wifi_ssid, config.wifi_password)
-    wlan.config(pm=network.WLAN.PM_NONE)  # sleeping between beacons would delay commands by up to half a second
-    return wlan

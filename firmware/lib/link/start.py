@@ -11,26 +11,20 @@ from link.serial_line import SerialLine
 _SESSION = const(8)  # auth.SESSION; that module is loaded only where there is a key
 
 
-def start_link(config, settings, names, machine):
+def start_link(config, settings, names, machine, wlan=None, remark=None):
     """Link over USB and, if robot.json names a network, over WiFi. Without it the radio is never touched.
 
-    names: see Messages; machine: the module. Commands over WiFi need the file network.key; without it they are all refused.
+    names: see Messages; machine: the module; wlan, remark: of link.wifi.connect(). Commands over WiFi need the file network.key; without it they are all refused.
     """
     carriers = [SerialLine()]
     key = None
-    remarks = []
-    if config.wifi_ssid:
-        try:
-            import socket
+    remarks = [remark] if remark else []
+    if wlan is not None:
+        import socket
 
-            import network
+        from link.radio import Datagrams
 
-            from link.radio import Datagrams, start_radio
-
-            carriers.append(Datagrams(start_radio(config, network), socket, config.wifi_port))
-        except (ImportError, OSError, RuntimeError, ValueError) as error:
-            # A robot without its radio still drives, stops and speaks over USB.
-            remarks.append("no WiFi: %s; look at wifi.ssid and wifi.password (8 characters or more) in robot.json" % error)
+        carriers.append(Datagrams(wlan, socket, config.wifi_port))
         try:
             with open("network.key", "rb") as file:
                 key = file.read()

@@ -2,46 +2,33 @@
 
 import json
 
+from core.unload import unload
+
+# The planner's tables are made for these: new ones would take seconds, in which the robot stands.
+_LATER = ("avoid.margin", "avoid.soft_margin", "windows.look_ahead")
+
 
 class Settings:
     """Applies changes to a Config at once, and writes them to robot.json when asked.
 
-    config: has `get(key)` and `set(key, value)`, which raise ValueError with a text, and `servos_trims`; drive: has `stop()` and `point(wheel, angle)`;
-    avoid: has `configure()` and `candidates`; room: Room. path: the robot.json that the config was read from.
+    config: has `set(key, value)`, which raises ValueError with a text, and `servos_trims`; drive: has `stop()` and `point(wheel, angle)`.
+    path: the robot.json that the config was read from.
     """
 
-    def __init__(self, config, drive, avoid, room, path="robot.json"):
+    def __init__(self, config, drive, path="robot.json"):
         self._config = config
         self._drive = drive
-        self._avoid = avoid
-        self.room = room
         self._path = path
         self._changed = {}
 
     def tune(self, key, value):
         """Change a parameter, value as in robot.json. ValueError tells what is allowed; nothing is changed then.
 
-        The robot stands while the planner makes tables anew.
+        Returns what there is to say about it: margins and look-ahead count from the next start.
         """
-        config = self._config
-        before = None if key.startswith("servos.trims.") else config.get(key)
-        config.set(key, value)
-        if self._avoid.candidates.outdated(config):
-            self._drive.stop()
-            with self.room.lend():
-                if not self._configured():
-                    config.set(key, before)
-                    self._avoid.configure()
-                    raise ValueError("%s: no memory to make the planner's tables anew; edit robot.json and restart" % key)
+        self._config.set(key, value)
         self._changed[key] = value
-
-    def _configured(self):
-        """Whether there was memory for it; the error, which holds on to some, is gone at the end."""
-        try:
-            self._avoid.configure()
-        except MemoryError:
-            return False
-        return True
+        return "counts from the next start: keep it, then restart" if key in _LATER else ""
 
     def point(self, wheel, angle):
         """Turn one wheel alone, 0.1 deg. ValueError unless the robot stands."""
@@ -61,10 +48,11 @@ class Settings:
                 key, value = "servos.trims", [trim / 10 if trim % 10 else trim // 10 for trim in self._config.servos_trims]
             changed[key] = json.dumps(value)
         try:
-            with self.room.lend("params.json_patch"):
-                from params.json_patch import keep
+            from params.json_patch import keep
 
-                keep(self._path, changed)
-                del keep
+            keep(self._path, changed)
         except OSError as error:
             raise ValueError("%s cannot be written: %s" % (self._path, error)) from None
+        finally:
+            keep = None
+            unload("params.json_patch")

@@ -23,9 +23,7 @@ def buffers():
         if id(thing) in seen:
             continue
         seen.add(id(thing))
-        if type(thing).__name__ == "Room":
-            total += sys.modules["core.heap_reserve"].BOARD_SIZE  # here it is twice as large, as is what is to fit in it
-        elif isinstance(thing, bytearray):
+        if isinstance(thing, bytearray):
             total += len(thing)
         elif isinstance(thing, array):
             total += len(thing) * _SIZES[repr(thing[:0])[7]]

@@ -1,0 +1,135 @@
+"""Builds the robot from robot.json. Needed once: main.py holds the robot, and everything in here is let go again.
+
+The order of build() is a rule, because three things share one memory: the heap, which takes more of it whenever it is full and gives nothing
+back; machine code, which has to lie in a part of it; and the drivers of radio and UARTs. Whoever needs a large piece asks before the heap grows.
+"""
+
+import gc
+import json
+
+import machine
+
+from core.unload import unload
+from params.config import ConfigError, load
+
+_CLOCK = 240_000_000  # Hz; the board wakes up at 160 MHz, and all computing times hold for this
+
+# What holds machine code, and stays: each with what it imports.
+_MACHINE_CODE = ("link.telemetry", "actuation.drive", "pca9685", "lidar", "avoid")
+
+
+def build(path="robot.json"):
+    """The Robot. In doubt nothing moves: what is wrong is printed on the USB line and raised (ConfigError, OSError)."""
+    try:
+        return _build(path)
+    except (ConfigError, OSError) as error:
+        print("gapseeker: cannot start:", error)
+        raise
+
+
+def _build(path):
+    _clock()  # all the rest takes two thirds of the time then
+    enable = _silence(path)  # whatever the chips did before a restart: motors and servos are off while the rest is made
+    config = load(path)  # everything depends on it, and a mistake in it must be told before anything moves
+    wlan, remark = _radio(config)  # its memory must be there before the heap grows; it joins the network meanwhile
+    lidar_line, screen_line = _lines(config)  # the drivers' buffers come from the same memory
+    for name in _MACHINE_CODE:  # likewise, and it is the largest part
+        __import__(name)
+    gc.collect()
+    from avoid import Avoid
+
+    avoid = Avoid(config)  # its tables are the largest objects: they come while the heap is still in one piece
+    drive = _drive(config, enable)
+    link = _link(config, drive, wlan, remark)
+    robot = _robot(config, avoid, drive, link, lidar_line, screen_line)
+    unload("core.start", "core.version")
+    return robot
+
+
+def _clock():
+    if machine.freq() != _CLOCK:
+        machine.freq(_CLOCK)
+        if machine.freq() != _CLOCK:
+            print("gapseeker: the processor runs at %d MHz instead of 240: decisions take longer" % (machine.freq() // 1_000_000))
+
+
+def _silence(path):
+    """The output enable pin, outputs off, or None; it is looked up before the file is checked, as that takes a while."""
+    try:
+        with open(path) as file:
+            number = json.load(file)["pins"]["output_enable"]
+        return machine.Pin(number, machine.Pin.OUT, value=1)
+    except (ValueError, KeyError, TypeError, OSError):
+        return None  # whatever is wrong with it, the check will say
+
+
+def _radio(config):
+    """(WLAN that joins by itself, None); (None, what went wrong); (None, None) without a radio."""
+    if not config.wifi_ssid:
+        return None, None
+    from link.wifi import connect
+
+    answer = connect(config)
+    unload("link.wifi")
+    return answer
+
+
+def _lines(config):
+    """The UARTs of lidar and screen (or None)."""
+    # timeout_char=1 spares an interrupt per byte
+    lidar = machine.UART(config.lidar_uart, config.lidar_baud, rx=config.lidar_rx, rxbuf=config.lidar_rxbuf, timeout=0, timeout_char=1)
+    screen = None
+    if config.screen_kind != "none":
+        screen = machine.UART(config.screen_uart, config.screen_baud, tx=config.screen_tx, rx=config.screen_rx, txbuf=256, timeout=0)
+    return lidar, screen
+
+
+def _drive(config, enable):
+    """Everything that moves is off until the first decision."""
+    from actuation.drive import Drive
+    from pca9685 import PCA9685
+    from steering import Steering
+
+    pin = machine.Pin
+    if enable is None and config.pins_output_enable is not None:
+        enable = pin(config.pins_output_enable, pin.OUT, value=1)
+    i2c = machine.I2C(config.i2c_bus, scl=pin(config.i2c_scl), sda=pin(config.i2c_sda), freq=config.i2c_frequency)
+    servos = PCA9685(i2c, config.servos_address, config.servos_frequency, config.servos_oscillator)
+    left = PCA9685(i2c, config.motors_left, config.motors_frequency, config.motors_oscillator)
+    right = PCA9685(i2c, config.motors_right, config.motors_frequency, config.motors_oscillator)
+    return Drive(Steering(config.axles_spacings, config.axles_track, config.axles_first), servos, left, right, enable, config)
+
+
+def _link(config, drive, wlan, remark):
+    from link import reason_texts
+    from link.start import start_link
+    from params.settings import Settings
+
+    names = reason_texts.names()
+    link = start_link(config, Settings(config, drive), names, machine, wlan, remark)
+    unload("link.reason_texts", "link.start")
+    return link
+
+
+def _robot(config, avoid, drive, link, lidar_line, screen_line):
+    """The robot, with what it sees by and what it shows."""
+    from lidar import Lidar
+    from robot import Robot
+    from safety.health import Health
+
+    pin = machine.Pin
+    motor = button = adc = screen = None
+    if config.lidar_motor_pin is not None:
+        motor = machine.PWM(pin(config.lidar_motor_pin), freq=config.lidar_motor_frequency, duty_u16=0)
+    lidar = Lidar(lidar_line, motor, config)
+    if config.pins_stop_button is not None:
+        button = pin(config.pins_stop_button, pin.IN, pin.PULL_UP)
+    if config.pins_battery is not None:
+        adc = machine.ADC(pin(config.pins_battery))
+    health = Health(lidar, drive, button, adc, config)
+    if screen_line is not None:
+        from link.screen import Screen
+
+        screen = Screen(screen_line, config.screen_kind, config.screen_baud)
+        unload("link.reason_texts")
+    return Robot(config, avoid, lidar, drive, health, link, screen)
