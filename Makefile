@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test bench experiments flash deploy monitor screenshots
+.PHONY: help setup demo test lint bench experiments flash deploy monitor screenshots
 
 help:  ## list the words
 	@sed -n 's/^\([a-z][a-z-]*\):[^#]*## /\1\t/p' $(MAKEFILE_LIST) | sort | awk -F'\t' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -29,6 +29,11 @@ demo: $(STAMP)  ## drive the Z course, 550 mm wide, in the digital twin
 
 test: $(STAMP)  ## run all tests
 	@$(RUN) -m pytest
+
+lint: $(STAMP)  ## look over the sources: ruff and mypy
+	@$(VENV)/bin/ruff check
+	@$(VENV)/bin/ruff format --check
+	@$(VENV)/bin/mypy
 
 bench: $(STAMP)  ## measure what the firmware's stages take, here and on the ESP32 (modelled)
 	@$(RUN) -m host.bench

@@ -7,12 +7,9 @@ from math import atan2, degrees, inf, pi
 
 import pytest
 
-from host import compat
 from host.export import __main__ as command_line
 from host.export import frames, scans
 from host.recording import Decision, Header, Pose, Stream, Writer
-
-compat.install()
 from link import frames as whole_frames
 from link import telemetry
 

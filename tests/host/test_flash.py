@@ -16,12 +16,9 @@ import serial
 from emulated_board import EmulatedBoard
 from emulated_rom import ESP32_S2_MAGIC, MAC
 
-from host import compat
 from host.flash import __main__ as command_line
 from host.flash import board, build, flow, hello, image, keep, places, ports, rescue, rom, tools
 from host.flash.errors import FlashError
-
-compat.install()
 from link import frames as whole_frames
 from link import telemetry
 

@@ -61,4 +61,4 @@ else:
     _measure()
 lockstep.connect(_tape)
 
-import main  # noqa: E402, F401
+import main  # noqa: F401
