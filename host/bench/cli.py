@@ -11,7 +11,7 @@ from tqdm import tqdm
 from host.twin import image
 from host.version import add_version
 
-from . import scans, stages
+from . import decisions, scans, stages
 from .machine_code import FormatError
 from .measure import Bench, BenchError
 
@@ -23,10 +23,12 @@ PAPER_EACH, PLAIN_EACH = 64, 2  # decisions of each tape that the baselines make
 
 
 def main(arguments=None):
-    """Run the bench; returns the exit code: 0 done, 2 bad arguments or the firmware did not run."""
+    """Run the bench; returns the exit code: 0 done, 1 decisions differ, 2 bad arguments or the firmware did not run."""
     options = _parser().parse_args(arguments)
     try:
         image.compiled(Path(options.firmware))
+        if options.decisions:
+            return _compare(options)
         if options.all_courses:
             found = worst(scans.ALL, options.firmware, quiet=options.json)
         else:
@@ -65,6 +67,15 @@ def measure(courses=scans.COURSES, firmware=image.FIRMWARE, quiet=True):
                 heap.append(grown)
             bar.update()
     return stages.figures(here, modelled, heap), stages.steps(bench, logs)
+
+
+def _compare(options):
+    """Print whether two firmwares do the same."""
+    with tqdm(desc="playing to both firmwares", unit=" tapes", disable=options.json or None) as bar:
+        found = decisions.compare(options.decisions, scans.QUICK if options.quick else scans.COURSES, options.firmware, bar.update)
+    text, code = decisions.report(found)
+    print(text)
+    return code
 
 
 def _tapes(courses, firmware, quiet):
@@ -143,12 +154,13 @@ def _parser():
     parser = argparse.ArgumentParser(
         prog="python -m host.bench",
         description="Measure how long the firmware's stages take, here and on the ESP32 (modelled).",
-        epilog="exit code: 0 done, 2 bad arguments or the firmware did not run",
+        epilog="exit code: 0 done, 1 decisions differ, 2 bad arguments, nothing compared, or the firmware did not run",
     )
     add_version(parser)
     which = parser.add_mutually_exclusive_group()
-    which.add_argument("--quick", action="store_true", help="two short runs instead of thirteen long ones")
+    parser.add_argument("--quick", action="store_true", help="two short runs instead of thirteen long ones")
     which.add_argument("--all-courses", action="store_true", help="the worst of each stage over a hundred runs of all kinds, modelled only; ten minutes")
+    which.add_argument("--decisions", metavar="REF", help="compare decisions and register writes with those of a git commit's firmware, or a folder's")
     parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
     parser.add_argument("--firmware", default=image.FIRMWARE, help="folder of the firmware (default: this one)")
     return parser

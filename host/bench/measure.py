@@ -13,7 +13,7 @@ from host.twin import image
 from . import blocks, machine_code
 
 HERE = Path(__file__).resolve().parent
-HEAP = {"time": "192m", "count": "192m", "heap": "3m"}  # no collection of garbage falls into what is measured
+HEAP = {"time": "192m", "count": "192m", "heap": "3m", "decisions": "192m"}  # no collection of garbage falls into what is measured
 KINDS = ("", "poll", "place", "guard", "work", "update", "command", "points", "paper", "plain", "feed", "turn", "stop", "start", "paper_full")
 LIMIT_S = 300
 
@@ -91,28 +91,33 @@ class Bench:
         return Log(rows, {KINDS[i]: counters[i] for i in range(1, len(KINDS))} if size else {})
 
     def _run(self, what, tape, firmware, *extra):
-        with tempfile.TemporaryDirectory() as folder:
-            (Path(folder) / "robot.json").write_text(tape.robot)
-            log = Path(folder) / "log"
-            command = [
-                *image.micropython(),
-                "-X",
-                f"heapsize={HEAP[what]}",
-                str(HERE / "board" / "runner.py"),
-                what,
-                str(tape.path),
-                str(log),
-                str(self.board),
-                str(firmware),
-                str(HERE / "baselines"),
-                *extra,
-            ]
-            try:
-                done = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=LIMIT_S)
-            except subprocess.TimeoutExpired:
-                raise BenchError(f"the firmware was not through with {tape.name} after {LIMIT_S} s") from None
-            if not log.exists():
-                said = (done.stdout + done.stderr).decode(errors="replace")
-                trace = said[said.rfind("Traceback") :].strip() if "Traceback" in said else f"it ended with code {done.returncode}"
-                raise BenchError(f"the firmware did not get through {tape.name}:\n{trace}")
-            return log.read_bytes()
+        return play(what, tape, tape.robot, self.board, firmware, *extra)
+
+
+def play(what, tape, robot, board, firmware, *extra):
+    """Bytes that the runner (board/runner.py, WHAT there) writes when it plays a tape to a compiled firmware. robot: text of its robot.json."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "robot.json").write_text(robot)
+        log = Path(folder) / "log"
+        command = [
+            *image.micropython(),
+            "-X",
+            f"heapsize={HEAP[what]}",
+            str(HERE / "board" / "runner.py"),
+            what,
+            str(tape.path),
+            str(log),
+            str(board),
+            str(firmware),
+            str(HERE / "baselines"),
+            *extra,
+        ]
+        try:
+            done = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=LIMIT_S)
+        except subprocess.TimeoutExpired:
+            raise BenchError(f"the firmware was not through with {tape.name} after {LIMIT_S} s") from None
+        if done.returncode or not log.exists():
+            said = (done.stdout + done.stderr).decode(errors="replace")
+            trace = said[said.rfind("Traceback") :].strip() if "Traceback" in said else f"it ended with code {done.returncode}"
+            raise BenchError(f"the firmware did not get through {tape.name}:\n{trace}")
+        return log.read_bytes()

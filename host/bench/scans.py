@@ -45,17 +45,25 @@ QUICK = ({"course": "Z", "width": 550, "seed": 1, "limit_s": 6}, {"course": "ran
 
 @dataclass(frozen=True)
 class Tape:
-    """Lidar bytes as a file for the board, and the robot.json they belong to. name: of the course. surprise: something new was put in."""
+    """Lidar bytes as a file for the board, and the robot.json they belong to. name: of the course. surprise: something new was put in.
+
+    mode, changes: what the course changes in robot.json.
+    """
 
     name: str
     path: Path
     robot: str
     surprise: bool = False
+    mode: str | None = None
+    changes: dict | None = None
 
 
-def tapes(courses=COURSES, firmware=image.FIRMWARE, workers=2, each=None):
-    """Tapes of the courses, recorded now unless that has been done with the same sources. each(): called after each course."""
-    folder = CACHE / ("scans-" + _sources(firmware))
+def tapes(courses=COURSES, firmware=image.FIRMWARE, workers=2, each=None, twin=True):
+    """Tapes of the courses, recorded now unless that has been done with the same sources. each(): called after each course.
+
+    twin: those of the twin count as well; without, a tape that this firmware drove in another twin will do.
+    """
+    folder = CACHE / (("scans-" if twin else "driven-") + _sources(firmware, twin))
     folder.mkdir(parents=True, exist_ok=True)
     out = []
     with ProcessPoolExecutor(workers) as pool:
@@ -81,7 +89,8 @@ def _record(course, folder, firmware):
             _write(Path(f"{target}-{i}.surprise"), inputs, wire, changed)
         target.with_suffix(".done").touch()
     surprises = sorted(folder.glob(target.name + "-*.surprise"))
-    return [Tape(name, target.with_suffix(".tape"), robot), *(Tape(name, path, robot, True) for path in surprises)]
+    paths = [target.with_suffix(".tape"), *surprises]
+    return [Tape(name, path, robot, path.suffix == ".surprise", course.get("mode"), course.get("changes")) for path in paths]
 
 
 def _word(key, value):
@@ -112,10 +121,12 @@ def _write(path, inputs, wire, batches):
             file.write(_BATCH.pack(time, len(data)) + data)
 
 
-def _sources(firmware):
+def _sources(firmware, twin):
     """Hash of all that makes a recording what it is."""
     digest = hashlib.sha256()
-    files = [*Path(firmware).rglob("*.py"), *Path(firmware).glob("*.json"), *image.BOARD.parent.rglob("*.py"), *Path(__file__).parent.glob("s*.py")]
+    files = [*Path(firmware).rglob("*.py"), *Path(firmware).glob("*.json")]
+    if twin:
+        files += [*image.BOARD.parent.rglob("*.py"), *Path(__file__).parent.glob("s*.py")]
     for path in sorted(files):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:12]

@@ -1,12 +1,13 @@
 """The bench: counting instructions, cutting sources into blocks, the figures it gives."""
 
 import json
+import shutil
 import textwrap
 
 import numpy as np
 import pytest
 
-from host.bench import blocks, cli, costs, machine_code, scans, stages, surprise
+from host.bench import blocks, cli, costs, decisions, machine_code, scans, stages, surprise
 from host.bench.measure import module_of
 
 LOOPS = textwrap.dedent("""
@@ -186,3 +187,27 @@ def test_the_worst_of_all_courses_is_told_with_its_course(monkeypatch, capsys):
 def test_a_firmware_that_is_not_there_is_named(capsys, tmp_path):
     assert cli.main(["--firmware", str(tmp_path)]) == 2
     assert "main.py" in capsys.readouterr().err
+
+
+def test_decisions_of_a_changed_firmware_are_told_apart(monkeypatch, capsys, tmp_path):
+    """A firmware is the same as itself; with another speed it is not, and the first difference is shown."""
+    monkeypatch.setattr(scans, "QUICK", ({"course": "Z", "width": 550, "seed": 1, "limit_s": 4},))
+    changed = tmp_path / "firmware"
+    shutil.copytree(scans.image.FIRMWARE, changed)
+    assert cli.main(["--decisions", str(changed), "--quick"]) == 0
+    assert ": all the same" in capsys.readouterr().out
+    slower = json.loads((changed / "robot.json").read_text())
+    slower["drive"]["cruise"] -= 1
+    (changed / "robot.json").write_text(json.dumps(slower))
+    assert cli.main(["--decisions", str(changed), "--quick"]) == 1
+    assert "decision at" in capsys.readouterr().out
+
+
+def test_what_differs_only_in_time_is_told_as_that():
+    then = [(10, 1, 64, b"\x06abc"), (30, 0, 0, bytes(44))]
+    later = [(10, 1, 64, b"\x06abc"), (35, 0, 0, bytes(44))]
+    found = decisions.outcome(then, later)
+    assert found.only_times and "+5 us" in found.first
+    assert decisions.report([(scans.Tape("Z", None, ""), found)])[1] == 1
+    assert not decisions.outcome(then, then[:1]).only_times
+    assert decisions.report([])[1] == 2

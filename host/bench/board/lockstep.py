@@ -6,7 +6,8 @@ A tape, little-endian:
     lidar's line | i64 its baud rate
     then for each batch of lidar bytes: i64 time at which the first has arrived, us | i64 number of bytes | the bytes
 
-`on_step(time)` is called whenever time passes, `on_end()` when the tape is over. Registers read back as they were written last.
+`on_step(time)` is called whenever time passes, `on_write(address, bytes)` for each I2C write, `on_end()` when the tape is over. Registers
+read back as they were written last.
 """
 
 import struct
@@ -30,6 +31,7 @@ written = 0  # I2C writes so far
 write_us = 0  # time of the last one's end
 last_byte_us = 0  # arrival of the last byte of the batch handed over last
 on_step = None
+on_write = None
 on_end = None
 
 _tape = b""
@@ -101,6 +103,8 @@ def note(kind, where, value, data, count):
         return
     written += 1
     write_us = now
+    if on_write is not None:
+        on_write(where, bytes(memoryview(data)[:count]))
     if where not in _chips:
         _chips[where] = bytearray(256)
     _pointer[where] = data[0]

@@ -5,6 +5,7 @@
 WHAT: time   microseconds of each part here; of DECISIONS decisions, FULL of which are made in full, the baselines make PAPER of all, PAPER and PLAIN of
            those in full, spread evenly
       count  instructions on the ESP32: FIRMWARE has counters, COSTS (i32 each) says what each counted block costs
+      decisions  what it decides and writes, see record.py
       heap   heap that the steady loop takes, and the bytes of all buffers
 LOG   time and count: the rows of log.py as i32. TURN is what the rest of a turn of the loop took, its extra the whole turn. count: after
       the rows the counters of the worst row of each kind
@@ -25,7 +26,7 @@ def _take_over(name):
     sys.modules[name] = __import__(name)
 
 
-import lockstep
+import lockstep  # noqa: E402
 
 _take_over("time")
 _take_over("machine")
@@ -53,7 +54,22 @@ def _measure():
     lockstep.on_step, lockstep.on_end = step, end
 
 
-if _what == "heap":
+def _record():
+    import record
+
+    recorder = record.Recorder(_path)
+
+    def end():
+        lockstep.on_step, lockstep.on_write, lockstep.on_end = None, None, lambda: None  # the firmware switches off yet
+        recorder.close()
+        sys.exit(0)
+
+    lockstep.on_step, lockstep.on_write, lockstep.on_end = recorder.step, recorder.write, end
+
+
+if _what == "decisions":
+    _record()
+elif _what == "heap":
     import heap
 
     heap.watch(_path)
