@@ -125,19 +125,9 @@ class Avoid:
     def configure(self):
         """Take over parameters that may have been tuned.
 
-        Margins and look-ahead are in the tables, which takes about half a second on the ESP32: the robot must stand then (Settings.tune sees to
-        that). MemoryError, with the old tables whole, if there is no room for the code that makes them.
+        Margins and look-ahead are in the tables: they count from the next start.
         """
         c = self.config
-        if self.candidates.outdated(c):
-            self.candidates.refill(c)
-            self.field.refill(c)
-            self.v = 90
-            self.why = reasons.LOOKING
-            self._plan = 0
-            self._stage = _FIELD
-            self._renewing = False
-            self._next = 0
         self.look_ahead = self.candidates.look_ahead
         self._swing = self.candidates.half_width + self.candidates.soft + self.candidates.half_length // 2
         self._worth.configure(c)

@@ -1,16 +1,17 @@
-"""The envelope tables against a body moved in small steps."""
+"""The candidates' tables against a body moved in small steps."""
 
-import sys
 from array import array
 from math import cos, sin
 
 from params.config import Config
 from planner import candidate_arcs, candidate_strips
+from planner.candidate_set import Draft
 from planner.candidates import BIAS, Candidates
 from planner.collision import BAND_MM, CollisionCheck, sort_near
 
 _config = Config()
 _env = Candidates(_config)
+_draft = Draft(_config)
 
 
 def _random(seed):
@@ -38,7 +39,7 @@ def _stepped(env, k, point, margin, step=2.0):
     hl = env.half_length + margin
     length = 0.0
     while length < env.look_ahead:
-        x, y, turn = (candidate_arcs if k < env.arcs else candidate_strips).end(env, k, length)
+        x, y, turn = (candidate_arcs if k < env.arcs else candidate_strips).end(_draft, k, length)
         dx = point[0] - x
         dy = point[1] - y
         u = dx * cos(turn) - dy * sin(turn)
@@ -81,85 +82,3 @@ def test_early_stops_are_rare():
             if want - free[k] > 20:
                 early += 1
     assert early * 50 < total, (early, total)
-
-
-_OTHERS = ((0, 0, 100), (20, 35, 900), (100, 200, 3000), (9, 30, 900))  # margin, soft margin, look-ahead
-
-
-def _tuned(config, margin, soft, look_ahead):
-    config.set("avoid.margin", 0)
-    config.set("avoid.soft_margin", soft)
-    config.set("avoid.margin", margin)
-    config.set("windows.look_ahead", look_ahead)
-
-
-def _arrays(env):
-    """Every array by its name."""
-    return {name: value for name, value in env.__dict__.items() if type(value) in (array, bytearray)}
-
-
-def _check_same(one, other):
-    for name, value in one.__dict__.items():
-        if name != "seconds":
-            assert value == getattr(other, name), name
-    # Of the second entries those that a candidate refers to.
-    for k in range(one.arcs):
-        second = one.consts[k * 13 + 11]
-        first = second >> 10
-        last = first + 2 * (second & 31)
-        assert one.seconds[first:last] == other.seconds[first:last], k
-
-
-def test_refilled_tables_are_those_of_a_fresh_start():
-    for mode in ("AWS", "NAWS"):
-        config = Config({"mode": mode})
-        env = Candidates(config)
-        before = _arrays(env)
-        assert len(before) == 9 and not env.outdated(config)
-        for values in _OTHERS:
-            _tuned(config, *values)
-            assert env.outdated(config)
-            env.refill(config)
-            assert not env.outdated(config)
-            _check_same(env, Candidates(config))
-            for name, value in _arrays(env).items():
-                assert value is before[name] and len(value) == len(getattr(Candidates(config), name)), name
-
-
-def test_without_memory_the_old_tables_stay_whole():
-    config = Config()
-    env = Candidates(config)
-    _tuned(config, 20, 35, 900)
-    original = candidate_strips.fill
-    candidate_strips.fill = _fail_once(original)
-    sys.modules["planner.candidate_strips"] = candidate_strips
-    try:
-        env.refill(config)
-        assert False, "refilled"
-    except MemoryError:
-        pass
-    finally:
-        candidate_strips.fill = original
-    assert (env.margin, env.soft, env.look_ahead) == (9, 30, 900) and env.outdated(config)
-    _check_same(env, Candidates(Config()))
-
-
-def _fail_once(fill):
-    """As fill, but the first time there is no memory; what comes after that is another copy of the module."""
-    failed = []
-
-    def call(*arguments):
-        if not failed:
-            failed.append(True)
-            raise MemoryError("memory allocation failed")
-        return fill(*arguments)
-
-    return call
-
-
-def test_the_code_that_fills_the_tables_is_let_go():
-    Candidates(Config())
-    if sys.implementation.name == "micropython":
-        assert not [
-            name for name in sys.modules if name in ("planner.candidate_set", "planner.candidate_arcs", "planner.candidate_rings", "planner.candidate_strips")
-        ]

@@ -1,4 +1,4 @@
-"""Constants of the candidates of envelope.py that turn, and where they lead to. Loaded to make them, then let go; envelope_rings.py is next.
+"""Constants of the candidates of candidates.py that turn, and where they lead to. Loaded to make them, then let go; candidate_rings.py is next.
 
 Source: papers A section 4.2 and B section 3.2-3.3.
 """
@@ -12,7 +12,7 @@ _BINS = const(24)
 _LENGTHS = const(5)
 _STRIDE = const(13)
 
-# Fields of a candidate's constants; the last two are of envelope_rings.py.
+# Fields of a candidate's constants; the last two are of candidate_rings.py.
 _XC = const(0)
 _YC = const(1)
 _IN_SOFT = const(2)
@@ -26,60 +26,58 @@ _TURN_MM = const(9)
 _REF = const(10)
 
 
-def fill(env, margin, soft, look_ahead):
-    """lengths; consts but for two, ends and turns of each arc. All lengths in mm."""
-    for i, part in enumerate((1, 2, 4, 8, 14)):
-        env.lengths[i] = look_ahead * part // 14
-    for k in range(env.arcs):
-        _fill_arc(env, k, margin, soft, look_ahead)
-        _fill_ends(env, k)
+def fill(draft):
+    """consts but for two, ends and turns of each arc of a candidate_set.Draft."""
+    for k in range(draft.arcs):
+        _fill_arc(draft, k)
+        _fill_ends(draft, k)
 
 
-def _fill_ends(env, k):
+def _fill_ends(draft, k):
     for i in range(_LENGTHS):
-        x, y, turn = end(env, k, env.lengths[i])
+        x, y, turn = end(draft, k, draft.lengths[i])
         t = (k * _LENGTHS + i) * 2
-        env.ends[t] = round(x) + _BIAS
-        env.ends[t + 1] = round(y) + _BIAS
-        env.turns[t >> 1] = round(turn * 1800 / pi)
+        draft.ends[t] = round(x) + _BIAS
+        draft.ends[t + 1] = round(y) + _BIAS
+        draft.turns[t >> 1] = round(turn * 1800 / pi)
 
 
 def _hypot(x, y):
     return sqrt(x * x + y * y)
 
 
-def centre(env, k):
+def centre(draft, k):
     """Turning centre (x, y) of arc k in the body frame, mm. Spec section 3."""
-    front = tan(env.af[k] * pi / 1800)
-    rear = tan(env.ar[k] * pi / 1800)
-    r = env.wheelbase / (front - rear)
-    return r, env.first_axle - r * front
+    front = tan(draft.af[k] * pi / 1800)
+    rear = tan(draft.ar[k] * pi / 1800)
+    r = draft.wheelbase / (front - rear)
+    return r, draft.first_axle - r * front
 
 
-def _reference(env, xc, yc):
+def _reference(draft, xc, yc):
     """Distance of the fastest wheel from the turning centre."""
-    far = max(abs(env.first_axle - yc), abs(env.first_axle - env.wheelbase - yc))
-    return _hypot(xc + env.half_track, far)
+    far = max(abs(draft.first_axle - yc), abs(draft.first_axle - draft.wheelbase - yc))
+    return _hypot(xc + draft.half_track, far)
 
 
-def end(env, k, length):
+def end(draft, k, length):
     """Pose (x, y mm, clockwise turn in rad) of the body centre after `length` mm of travel on candidate k, an arc."""
-    xc, yc = centre(env, k)
-    turn = length / _reference(env, xc, yc)
+    xc, yc = centre(draft, k)
+    turn = length / _reference(draft, xc, yc)
     s = sin(turn)
     c = cos(turn)
     return xc - xc * c - yc * s, yc + xc * s - yc * c, turn
 
 
-def _fill_arc(env, k, margin, soft, look_ahead):
-    xc, yc = centre(env, k)
-    ref = _reference(env, xc, yc)
+def _fill_arc(draft, k):
+    xc, yc = centre(draft, k)
+    ref = _reference(draft, xc, yc)
     # The tests reckon from the centre in whole mm, so the rings do.
     xc = round(xc)
     yc = round(yc)
-    r_in, r_out = _ring(env, xc, yc, margin)
-    s_in, s_out = _ring(env, xc, yc, soft)
-    c = env.consts
+    r_in, r_out = _ring(draft, xc, yc, draft.margin)
+    s_in, s_out = _ring(draft, xc, yc, draft.soft)
+    c = draft.consts
     b = k * _STRIDE
     c[b + _XC] = xc + _BIAS
     c[b + _YC] = yc + _BIAS
@@ -97,14 +95,14 @@ def _fill_arc(env, k, margin, soft, look_ahead):
     scale = _BINS * 1048576 // (span >> shift)
     c[b + _BIN_SCALE] = scale
     c[b + _TURN_MM] = int(2 * pi * ref)
-    c[b + _ANGLE_MAX] = min(int(look_ahead * 65536 / (2 * pi * ref)), 60000)
+    c[b + _ANGLE_MAX] = min(int(draft.look_ahead * 65536 / (2 * pi * ref)), 60000)
     c[b + _REF] = int(ref)
 
 
-def _ring(env, xc, yc, margin):
+def _ring(draft, xc, yc, margin):
     """Inner and outer radius of what the outline plus margin sweeps about (xc, yc), xc > 0."""
-    hw = env.half_width + margin
-    hl = env.half_length + margin
+    hw = draft.half_width + margin
+    hl = draft.half_length + margin
     dx = max(xc - hw, 0)
     dy = max(abs(yc) - hl, 0)
     return _hypot(dx, dy), _hypot(xc + hw, abs(yc) + hl)

@@ -1,4 +1,4 @@
-"""Where each ring enters the outline: the tables of envelope.py for candidates that turn. Loaded to fill them, then let go.
+"""Where each ring enters the outline: the tables of candidates.py for candidates that turn. Loaded to fill them, then let go.
 
 Source: papers A section 4.2 and B section 3.2-3.3; the point rule (24) replaced by the whole swept body.
 """
@@ -11,7 +11,7 @@ _BIAS = const(8192)
 _BINS = const(24)
 _STRIDE = const(13)
 
-# Fields of a candidate's constants, of envelope_arcs.py; the last two are filled here.
+# Fields of a candidate's constants, of candidate_arcs.py; the last two are filled here.
 _XC = const(0)
 _YC = const(1)
 _IN = const(4)
@@ -21,23 +21,22 @@ _SECOND = const(11)  # of its bins with a second entry: place in `seconds` << 10
 _FRONT = const(12)  # least of all entries, and a little: no ring enters the outline farther on
 
 
-def fill(env, margin, soft, look_ahead):
-    """table, seconds and the rest of consts of each arc, for points within the margin (mm)."""
-    used = 0
-    for k in range(env.arcs):
-        used = _fill_arc(env, k, margin, used)
+def fill(draft):
+    """table, seconds and the rest of consts of each arc of a candidate_set.Draft, for points within its margin."""
+    for k in range(draft.arcs):
+        draft.used = _fill_arc(draft, k, draft.used)
 
 
-def _fill_arc(env, k, margin, used):
+def _fill_arc(draft, k, used):
     """Returns how many of `seconds` are used afterwards."""
-    c = env.consts
+    c = draft.consts
     b = k * _STRIDE
     inner = c[b + _IN]
-    edges = _edges(env, c[b + _XC] - _BIAS, c[b + _YC] - _BIAS, margin)
+    edges = _edges(draft, c[b + _XC] - _BIAS, c[b + _YC] - _BIAS)
     width = 1048576 / c[b + _BIN_SCALE] * (1 << c[b + _BIN_SHIFT])  # of a bin, square mm
-    table = env.table
+    table = draft.table
     front = 65535
-    seconds = env.seconds
+    seconds = draft.seconds
     first_used = used
     second_bin = 0
     after = used  # the last bin with two entries ends here
@@ -96,13 +95,13 @@ def _not_late(ends, middle):
     return (ends[0] - late, ends[1] - late) if late > 0 else ends
 
 
-def _edges(env, xc, yc, margin):
+def _edges(draft, xc, yc):
     """Right, front, left and rear edge of the outline plus margin, seen from the centre: where, squared; then its ends, low and high.
 
     Made once a candidate: on the board every float is an object.
     """
-    hw = env.half_width + margin
-    hl = env.half_length + margin
+    hw = draft.half_width + draft.margin
+    hl = draft.half_length + draft.margin
     left, right = -hw - xc, hw - xc
     rear, front = -hl - yc, hl - yc
     return (

@@ -19,7 +19,7 @@ from core.unload import unload
 
 BIAS = const(8192)
 LENGTHS = const(5)
-ARC_STRIDE = const(13)  # words of `consts` for an arc, of `strips` for a strip: envelope_arcs.py, envelope_strips.py
+ARC_STRIDE = const(13)  # words of `consts` for an arc, of `strips` for a strip: candidate_arcs.py, candidate_strips.py
 STRIP_STRIDE = const(8)
 
 
@@ -32,35 +32,44 @@ class Candidates:
     af, ar                     array 'h', 0.1 deg
     ends, turns                for each candidate and each of LENGTHS travels (`lengths`, mm) where the body's centre comes to lie,
                                x, y, mm + 8192, and how far it has turned clockwise, 0.1 deg
-    consts, table, seconds     of the arcs: see envelope_arcs.py, envelope_rings.py; strips of the others: see envelope_strips.py
+    consts, table, seconds     of the arcs: see candidate_arcs.py, candidate_rings.py; strips of the others: see candidate_strips.py
     half_width, half_length, look_ahead, margin, soft    mm
     end_x, end_y, end_turn     what travel() found
 
-    A variant is how a candidate is mirrored: bit 0 left, bit 1 backward.
+    A mirroring is how a candidate is mirrored: bit 0 left, bit 1 backward.
     """
 
     def __init__(self, config):
+        from planner import tables
+
+        self.af, self.ar, self.lengths, self.consts, self.table, self.seconds, self.strips, self.ends, self.turns = tables.candidates(config)
+        tables = None
+        unload("planner.tables")
+        self.count = len(self.af)
+        self.arcs = len(self.consts) // ARC_STRIDE
+        all_wheels = config.mode == "AWS"
+        self.ahead_end = self.arcs if all_wheels else self.arcs // 2
+        self.astern_first = 0 if all_wheels else self.arcs // 2
+        self.half_width = config.robot_width // 2
+        self.half_length = config.robot_length // 2
+        self.margin = config.avoid_margin
+        self.soft = config.avoid_soft_margin
+        self.look_ahead = config.windows_look_ahead
         self.end_x = self.end_y = self.end_turn = 0
-        from planner.candidate_set import prepare
 
-        prepare(self, config)
-        del prepare
-        unload("planner.candidate_set")
-        self._fill(config.avoid_margin, config.avoid_soft_margin, config.windows_look_ahead)
+    def af_of(self, mirroring, k):
+        """AF of a candidate in a mirroring, 0.1 deg: backward, front and rear change places."""
+        if mirroring & 2:
+            return self.ar[k] if mirroring & 1 else -self.ar[k]
+        return -self.af[k] if mirroring & 1 else self.af[k]
 
-    def af_of(self, variant, k):
-        """AF of a candidate in a variant, 0.1 deg: backward, front and rear change places."""
-        if variant & 2:
-            return self.ar[k] if variant & 1 else -self.ar[k]
-        return -self.af[k] if variant & 1 else self.af[k]
-
-    def ar_of(self, variant, k):
+    def ar_of(self, mirroring, k):
         """AR, likewise."""
-        if variant & 2:
-            return self.af[k] if variant & 1 else -self.af[k]
-        return -self.ar[k] if variant & 1 else self.ar[k]
+        if mirroring & 2:
+            return self.af[k] if mirroring & 1 else -self.af[k]
+        return -self.ar[k] if mirroring & 1 else self.ar[k]
 
-    def travel(self, variant, k, length):
+    def travel(self, mirroring, k, length):
         """Where `length` mm on a candidate lead to: end_x, end_y (mm) and end_turn (0.1 deg, clockwise) of the body's centre."""
         if k >= self.arcs:
             b = (k - self.arcs) * STRIP_STRIDE
@@ -81,52 +90,12 @@ class Candidates:
             x = xc - ((xc * c + yc * s + 8192) >> 14)
             y = yc + ((xc * s - yc * c + 8192) >> 14)
             turn += rest > 4
-        if variant & 1:
+        if mirroring & 1:
             x = -x
             turn = -turn
-        if variant & 2:
+        if mirroring & 2:
             y = -y
             turn = -turn
         self.end_x = x
         self.end_y = y
         self.end_turn = turn
-
-    def outdated(self, config):
-        """Whether margin, soft margin or look-ahead of the config are others than the tables were made with."""
-        return self.margin != config.avoid_margin or self.soft != config.avoid_soft_margin or self.look_ahead != config.windows_look_ahead
-
-    def refill(self, config):
-        """Make the tables anew, in place, with margin, soft margin and look-ahead of the config. Due when `outdated` says so.
-
-        The robot must stand: nothing else happens meanwhile. All arrays stay the same objects. What was derived from the attributes in mm
-        has to be derived again (Avoid: look_ahead, _swing; CostToGo: its shape), and a decision begun with the old tables to be given up.
-        MemoryError, with the old tables whole, if the heap has no room for the code that makes them, some 2 kB. Settings.tune() lets the
-        robot stand, makes room, calls Avoid.configure(), and refuses the change if that raises MemoryError.
-        """
-        before = self.margin, self.soft, self.look_ahead
-        try:
-            self._fill(config.avoid_margin, config.avoid_soft_margin, config.windows_look_ahead)
-        except MemoryError:
-            if self.margin < 0:
-                self._restore(before)
-            raise
-
-    def _restore(self, before):
-        try:
-            self._fill(*before)
-        except MemoryError:
-            raise RuntimeError("no room to make the envelope tables whole again: restart") from None
-
-    def _fill(self, margin, soft, look_ahead):
-        """The code comes in parts, one after the other: together they would be more than the heap has to spare."""
-        for name in ("planner.candidate_arcs", "planner.candidate_rings", "planner.candidate_strips"):
-            try:
-                part = __import__(name, None, None, ("fill",))
-                self.margin = -1  # neither the old tables nor the new ones
-                part.fill(self, margin, soft, look_ahead)
-            finally:
-                part = None
-                unload(name)
-        self.margin = margin
-        self.soft = soft
-        self.look_ahead = look_ahead

@@ -345,13 +345,9 @@ def _sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, 
                 rate_y = 0 - c
             gap = ax - half_width
             gap_y = ay - half_length
-            # Off a corner on both sides the point is passed, or the table meets it.
-            aside = 0
-            if gap >= margin and gap_y >= margin:
-                aside = 1
-                if gap >= soft_margin and gap_y >= soft_margin:
-                    rate = 0
-                    rate_y = 0
+            if gap >= soft_margin and gap_y >= soft_margin:
+                rate = 0
+                rate_y = 0
             if gap_y > gap:
                 gap = gap_y
                 rate = rate_y
@@ -381,16 +377,16 @@ def _sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, 
             y = py[i] - 8192
             q = (x * c - y * s) >> 10  # 1/16 mm
             if q < half_soft and q > 0 - half_soft:
-                l = ((x * s + y * c) >> 10) - corner_l
+                reach = ((x * s + y * c) >> 10) - corner_l
                 if q < corner_q:
-                    l += ((corner_q - q) * slope_front) >> 10
+                    reach += ((corner_q - q) * slope_front) >> 10
                 else:
-                    l += ((q - corner_q) * slope_side) >> 10
-                if l >= 0:
-                    if l < soft_length:
-                        soft_length = l
-                    if l < length and q < half and q > 0 - half:
-                        length = l
+                    reach += ((q - corner_q) * slope_side) >> 10
+                if reach >= 0:
+                    if reach < soft_length:
+                        soft_length = reach
+                    if reach < length and q < half and q > 0 - half:
+                        length = reach
                         block = i
             i += 1
         free[k] = length >> 4

@@ -311,18 +311,18 @@ class CostToGo:
     """Cost of leaving, by pose. `ready` once a first field exists; `work()` renews it slice by slice."""
 
     def __init__(self, config):
-        length = config.robot_length
-        self.cell = length * 8 // 12  # 1/8 mm
-        self._stamps = None
-        self._ways = None
+        from planner import tables
+
+        self._masks, self._primitives, self._rim = tables.cost_to_go(config)
+        tables = None
+        unload("planner.tables")
+        self.cell = config.robot_length * 8 // 12  # 1/8 mm
         self._straight = config.mode != "AWS"  # the last axle stays so
         if self._straight:
             from planner.propagate_naws import spread
         else:
             from planner.propagate import spread
         self._spread = spread
-        self._inward = array("H", bytes(48))
-        self.refill(config)
         self._weight = bytearray(_PLACES)
         self._closed = array("i", [0] * (_N * _TURNS))
         self._tight = array("i", [0] * (_N * _TURNS))
@@ -348,30 +348,6 @@ class CostToGo:
         self.builds = 0
         self._px = 0
         self._py = 0
-
-    def refill(self, config):
-        """Make the tables anew, in place, with the margin of the config. MemoryError if the heap has no room for the code that makes them, some 2 kB."""
-        try:
-            from planner.footprint_masks import stamps
-
-            self._reach, self._stamps = stamps(config.robot_width, config.robot_length, config.avoid_margin, self.cell, self._stamps)
-            del stamps
-            unload("planner.footprint_masks")
-            if self._ways is None:
-                if self._straight:
-                    from planner.primitives_naws import ways
-
-                    self._ways = ways(sum(config.axles_spacings), config.axles_first, self.cell)
-                    del ways
-                else:
-                    from planner.primitives import inward, steps
-
-                    self._ways = steps(config.robot_length, self.cell)
-                    inward(self._inward)
-                    del inward, steps
-        finally:
-            unload("planner.footprint_masks", "planner.primitives", "planner.primitives_naws")
-        self._stage = 0
 
     def follow(self, odometry):
         """Lay the trail and turn the sense of direction with the robot. Call once a frame."""
@@ -416,20 +392,20 @@ class CostToGo:
             self._job[3] = self._radius
             first = self._trail - _TRAIL_POINTS
             _cover(self._weight, self._tx, self._ty, self._job, first if first > 0 else 0, self._trail - _TRAIL_GAP)
-            self._job[3] = self._reach
+            self._job[3] = len(self._masks) // (16 * _TURNS)
             self._k = 0
             self._stage = 2
         elif stage == 2:
-            self._k = _close(self._closed, self._tight, self._stamps, self._queue, points._fx, points._fy, self._k, points.count, self._job)
+            self._k = _close(self._closed, self._tight, self._masks, self._queue, points._fx, points._fy, self._k, points.count, self._job)
             if self._k >= points.count:
                 self._stage = 3
         elif stage == 3:
             heading_branch.tell(odometry.heading // 100, self._lean, self._state, self._closed)
-            _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state, self._inward)
+            _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state, self._rim)
             self._stage = 4
         elif stage == 4:
             if self._spread(
-                self.cost, self._closed, self._tight, self._weight, self._queue, self._ways, self._state, _POSES_STRAIGHT if self._straight else _POSES
+                self.cost, self._closed, self._tight, self._weight, self._queue, self._primitives, self._state, _POSES_STRAIGHT if self._straight else _POSES
             ):
                 self.corner_x = self._job[0]
                 self.corner_y = self._job[1]

@@ -1,4 +1,4 @@
-"""The outline on the grid of field.py. Computed at the start and when the margin is tuned."""
+"""The outline on the grid of cost_to_go.py. Loaded to make the masks, then let go."""
 
 from array import array
 from math import cos, pi, sin
@@ -8,21 +8,18 @@ from micropython import const
 _TURNS = const(12)
 
 
-def stamps(width, length, margin, cell, table=None):
-    """(reach, table): which poses a point closes, for field.py to lay on its rows.
+def masks(width, length, margin, cell):
+    """array('H'): which poses a point closes, for cost_to_go.py to lay on its rows.
 
-    width, length, margin: mm; cell: 1/8 mm; table: one made before, to be filled again in place. A point stands in the middle of one of the four
-    half cells of a place; for each of them, each orientation and each row of the grid from `reach` below the point to `reach` above it, two words
-    with a bit for each column, bit 8 the point's own: poses whose full outline, with the margin, covers the point, and those whose outline made
-    smaller does. Poses in which a point comes into the outline proper are dear; closed are only those in which it comes well into it, or narrow
-    passages would close on the grid.
+    width, length, margin: mm; cell: 1/8 mm. A point stands in the middle of one of the four half cells of a place; for each of them, each
+    orientation and each row of the grid from `reach` below the point to `reach` above it, two words with a bit for each column, bit 8 the
+    point's own: poses whose full outline, with the margin, covers the point, and those whose outline made smaller does. Poses in which a point comes into
+    the outline proper are expensive; closed are only those in which it comes well into it, or narrow passages would close on the grid.
     """
     full = width * 4 + margin * 8, length * 4 + margin * 8
     small = width * 4 - cell * 3 // 10, length * 4 - cell * 6 // 10
-    if table is None:
-        reach = int((full[0] * full[0] + full[1] * full[1]) ** 0.5 / cell + 0.25)
-        table = array("H", bytes(2 * 2 * 4 * _TURNS * (2 * reach + 1)))
-    reach = len(table) // (16 * _TURNS)
+    reach = int((full[0] * full[0] + full[1] * full[1]) ** 0.5 / cell + 0.25)
+    table = array("H", bytes(2 * 2 * 4 * _TURNS * (2 * reach + 1)))
     at = 0
     for phase in range(4):
         across = (phase & 1) * 0.5 - 0.25
@@ -34,7 +31,7 @@ def stamps(width, length, margin, cell, table=None):
                 for half_width, half_length in (full, small):
                     table[at] = _columns(half_width / cell, half_length / cell, s, c, across, up)
                     at += 1
-    return reach, table
+    return table
 
 
 def _columns(half_width, half_length, s, c, across, up):

@@ -1,4 +1,4 @@
-"""What steps on the grid of field.py cost, for a body whose wheels all steer. Computed once at the start."""
+"""What steps on the grid of cost_to_go.py cost, for a body whose wheels all steer. Computed to make the tables."""
 
 from array import array
 from math import cos, pi, sin
@@ -26,10 +26,9 @@ def steps(length, cell):
     return table
 
 
-def inward(table):
-    """Fill array('H') of 24: what leaving past the far rim (y greatest) costs more for the nose's heading, sixteenths of a cell.
+def rim(all_wheels):
+    """array('H') of 24: what leaving past the far rim (y greatest) costs more for the nose's heading, sixteenths of a cell.
 
-    Nothing with the nose on the way out, most with the rear ahead.
+    Nothing with the nose on the way out, most with the rear ahead; nothing at all where the last axle stays straight: there the ways cost that.
     """
-    for h in range(2 * _TURNS):
-        table[h] = max(0, round(-_INWARD * cos(h * pi / _TURNS)))
+    return array("H", [max(0, round(-_INWARD * cos(h * pi / _TURNS))) if all_wheels else 0 for h in range(2 * _TURNS)])

@@ -1,4 +1,4 @@
-"""The ways from pose to pose of field_spread_naws.py. Loaded to make their table, then let go.
+"""The motion primitives, from pose to pose, of propagate_naws.py. Loaded to make their table, then let go.
 
 Where the last axle stays straight, its middle moves along the body only. In terms of the body's centre: a turn by one orientation on the tightest
 circle moves the last axle's middle by a chord of that circle, and swings the centre, which is ahead of it, to the side.
@@ -9,8 +9,8 @@ from math import cos, pi, sin, tan
 
 _TURNS = 12
 _STEERING = pi / 3  # AF on the tightest circle
-_ASIDE = 20  # times dearer is a way square to the body: it takes much to and fro
-_BACK = 6  # times as dear is one driven backward: changes of direction come with it
+_ASIDE = 20  # times as expensive is a way square to the body: it takes much to and fro
+_BACK = 6  # times as expensive is one driven backward: changes of direction come with it
 _ROUND = ((-1, 1), (0, 1), (1, 1), (-1, 0), (1, 0), (-1, -1), (0, -1), (1, -1))
 _ALONG = ((0, 1), (1, 4), (1, 2), (1, 1), (2, 1), (4, 1), (1, 0), (4, -1), (2, -1), (1, -1), (1, -2), (1, -4))
 
