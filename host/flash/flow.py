@@ -9,7 +9,7 @@ from pathlib import Path
 from . import board, build, hello, image, keep, places, rescue, rom, tools
 from .errors import FlashError
 
-KEY_FILE = "network.key"  # firmware/lib/auth.py
+KEY_FILE = "network.key"  # firmware/lib/link/auth.py
 
 
 @dataclass

@@ -20,7 +20,7 @@ _PROMPT = b"raw REPL; CTRL-B to exit\r\n>"
 
 
 def find(said: bytes) -> str | None:
-    """Version in the first hello (firmware/lib/telemetry.py) among these bytes; None if there is none yet."""
+    """Version in the first hello (firmware/lib/link/telemetry.py) among these bytes; None if there is none yet."""
     compat.install()
     from link import frames as whole_frames
     from link import telemetry

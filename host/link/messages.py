@@ -1,4 +1,4 @@
-"""Payloads of the wire format (firmware/lib/telemetry.py) as dicts that JSON can hold, and commands as payloads.
+"""Payloads of the wire format (firmware/lib/link/telemetry.py) as dicts that JSON can hold, and commands as payloads.
 
 Every dict has `type`; angles are degrees, lengths mm, speeds mm/s or r/s, times seconds of the robot's own clock (it wraps after 18 minutes).
 
