@@ -14,7 +14,7 @@ from array import array
 import micropython
 from micropython import const
 
-from core.trig import SIN
+from core.trig import COARSE_SIN
 
 _RIGHT = const(900)  # 90 deg
 _HALF_TURN = const(1800)
@@ -51,6 +51,34 @@ _GAIN_LOW = const(3803)
 
 
 @micropython.viper
+def _sine(a: int) -> int:
+    """sin(a) * (2**30 - 1) within 1e-7 of it; a in 0.1 deg, -900 .. 1800.
+
+    Near the spin, and near driving sideways, the components of the motion are themselves differences of sines: 16 bits would not do.
+    sin(b + c) = sin(b) cos(c) + cos(b) sin(c), b from the table of whole 2 degrees and c at most one.
+    """
+    table = ptr32(COARSE_SIN)
+    negative = 0
+    if a < 0:
+        a = 0 - a
+        negative = 1
+    if a > _RIGHT:
+        a = _HALF_TURN - a
+    k = (a + 10) // 20
+    c = a - 20 * k
+    s = table[k]
+    # 1 - cos(c) in 2**-30, with s in 2**-13
+    s -= ((s >> 17) * (c * c * 1635)) >> 13
+    # sin(c) in 2**-24, up to 0.0175, with cos(b) in two parts of 12 bits
+    k = table[45 - k]
+    c = ((c * 1874033) >> 6) - ((c * c * c * 61) >> 12)
+    s += (((k >> 18) * c) >> 6) + ((((k >> 6) & 0xFFF) * c) >> 18)
+    if negative:
+        return 0 - s
+    return s
+
+
+@micropython.viper
 def _solve(u: int, v: int, work: ptr32, angles: ptr16, shares: ptr16) -> int:
     """Fill angles, shares and the twist for AF, AR (u, v); return the bits of the folded wheels, -1 where AF or AR lies beyond 90 deg.
 
@@ -76,21 +104,10 @@ def _solve(u: int, v: int, work: ptr32, angles: ptr16, shares: ptr16) -> int:
     elif total == _HALF_TURN:  # sideways: likewise
         vx = 1
     else:
-        sine = ptr32(SIN)
         # At most 2**31 - 2 for vy: a sum, not a product, and still a 32-bit word.
-        if difference <= _RIGHT:
-            w = sine[difference]
-            vy = sine[_RIGHT - difference]
-        else:
-            w = sine[_HALF_TURN - difference]
-            vy = 0 - sine[difference - _RIGHT]
-        a = total if total >= 0 else 0 - total
-        if a <= _RIGHT:
-            vx = sine[a]
-            vy += sine[_RIGHT - a]
-        else:
-            vx = sine[_HALF_TURN - a]
-            vy -= sine[a - _RIGHT]
+        vx = int(_sine(total if total >= 0 else 0 - total))
+        vy = int(_sine(_RIGHT - difference)) + int(_sine(_RIGHT - (total if total >= 0 else 0 - total)))
+        w = int(_sine(difference))
         if total < 0:
             vx = 0 - vx
 

@@ -2,13 +2,16 @@
 
 from math import cos, radians, sin
 
-from core.trig import SIN, cos14, sin14
+from core.trig import COARSE_SIN, SIN, cos14, sin14
 
 
-def test_table_is_exact_to_its_last_bit():
-    assert len(SIN) == 901 and SIN[0] == 0 and SIN[900] == 2**30 - 1
+def test_tables_are_exact_to_their_last_bit():
+    assert len(SIN) == 901 and SIN[0] == 0 and SIN[900] == 2**16 - 1
     for k in range(901):
-        assert abs(SIN[k] - sin(radians(k / 10)) * (2**30 - 1)) < 0.5001, k
+        assert -0.001 <= sin(radians(k / 10)) * 2**16 - SIN[k] <= 1.001, k
+    assert len(COARSE_SIN) == 46 and COARSE_SIN[0] == 0 and COARSE_SIN[45] == 2**30 - 1
+    for k in range(46):
+        assert abs(COARSE_SIN[k] - sin(radians(2 * k)) * (2**30 - 1)) < 0.5001, k
 
 
 def test_sine_and_cosine_of_any_angle():

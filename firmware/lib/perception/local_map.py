@@ -75,31 +75,10 @@ def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int
     x, y, heading: as of now, 1/256 mm and 0.001 deg. step_x, step_y, turn: its motion in 10 ms, in the body frame.
     travel: rolled until now, 1/256 mm. late, span: time since the last point, and from the first to it, 16 us.
     """
-    sine = ptr32(SIN)
     state[_FRAME] = (state[_FRAME] + 1) & 0xFFFF
     state[_TRAVEL] = (travel >> (8 + state[_UNIT])) & 0xFF
-    a = heading // 100
-    b = a + 900
-    if b >= 3600:
-        b -= 3600
-    k = 0
-    s = 0
-    c = 0
-    while k < 2:
-        # sine of a, then of b: its cosine, scaled 2**14
-        c = s
-        t = b
-        if k:
-            t = a
-        s = t
-        if s >= 1800:
-            s -= 1800
-        if s > 900:
-            s = 1800 - s
-        s = (sine[s] + 32768) >> 16
-        if t >= 1800:
-            s = 0 - s
-        k += 1
+    s = int(sin14(heading // 100))
+    c = int(sin14(heading // 100 + 900))
     # Displacement on the floor in one step, 1/256 mm; far below 2**14.
     wx = (step_x * c + step_y * s) >> 14
     wy = (step_y * c - step_x * s) >> 14
@@ -125,9 +104,9 @@ def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int
 
 
 @micropython.viper
-def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
+def insert(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
     """Put the points of one frame on the floor, each from where the body was then: the scan rolls while the robot moves."""
-    sine = ptr32(SIN)
+    sine = ptr16(SIN)
     # The body's pose from point to point in 2**-13 of its units, n of them more: so rounding down hits what a division would give.
     x = (state[_X0] << 13) + n
     y = (state[_Y0] << 13) + n
@@ -154,21 +133,20 @@ def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, f
             a = ((a * 26215) >> 18) + bearings[i]  # a // 10
             while a >= 3600:
                 a -= 3600
-            # sine and cosine scaled 2**14 from the quarter-wave table
-            if a < 1800:
-                if a <= 900:
-                    s = sine[a] >> 16
-                    c = sine[900 - a] >> 16
-                else:
-                    s = sine[1800 - a] >> 16
-                    c = 0 - (sine[a - 900] >> 16)
+            # sine and cosine scaled 2**14 from the quarter-wave table, written out: a call would cost more than all the rest
+            k = 0
+            if a >= 1800:
+                a -= 1800
+                k = 1
+            if a <= 900:
+                s = sine[a] >> 2
+                c = sine[900 - a] >> 2
             else:
-                if a <= 2700:
-                    s = 0 - (sine[a - 1800] >> 16)
-                    c = 0 - (sine[2700 - a] >> 16)
-                else:
-                    s = 0 - (sine[3600 - a] >> 16)
-                    c = sine[a - 2700] >> 16
+                s = sine[1800 - a] >> 2
+                c = 0 - (sine[a - 900] >> 2)
+            if k:
+                s = 0 - s
+                c = 0 - c
             s = (d * s) >> 13
             c = (d * c) >> 13
             if s <= far8 and c <= far8 and s + far8 >= 0 and c + far8 >= 0:
@@ -231,7 +209,7 @@ def _place(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, f
 
 
 @micropython.viper
-def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
+def clear_seen_past(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
     """Drop what the frame disproves, what is too old and what is too far.
 
     A point in the frame's sector is disproved when all beams that could have met it go more than a
@@ -240,7 +218,7 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, 
     nearer, or inside the blind disc, is kept until the robot has rolled `keep` mm: drift, not time,
     is what makes memory wrong.
     """
-    sine = ptr32(SIN)
+    sine = ptr16(SIN)
     squares = ptr32(_SQUARES)
     shares = ptr16(_SHARES)
     s0 = 0
@@ -259,18 +237,18 @@ def _forget(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, 
         c0 = c1
         if a < 1800:
             if a <= 900:
-                s1 = sine[a] >> 20
-                c1 = sine[900 - a] >> 20
+                s1 = sine[a] >> 6
+                c1 = sine[900 - a] >> 6
             else:
-                s1 = sine[1800 - a] >> 20
-                c1 = 0 - (sine[a - 900] >> 20)
+                s1 = sine[1800 - a] >> 6
+                c1 = 0 - (sine[a - 900] >> 6)
         else:
             if a <= 2700:
-                s1 = 0 - (sine[a - 1800] >> 20)
-                c1 = 0 - (sine[2700 - a] >> 20)
+                s1 = 0 - (sine[a - 1800] >> 6)
+                c1 = 0 - (sine[2700 - a] >> 6)
             else:
-                s1 = 0 - (sine[3600 - a] >> 20)
-                c1 = sine[a - 2700] >> 20
+                s1 = 0 - (sine[3600 - a] >> 6)
+                c1 = sine[a - 2700] >> 6
         k += 1
     mirrored = 0
     if s1 * c0 < c1 * s0:
@@ -526,8 +504,8 @@ class LocalMap:
         frame = self._frame
         travel = self._travel
         index = self._index
-        _place(bearings, distances, n, state, fx, fy, cell, frame, travel, index)
-        _forget(bearings, distances, n, state, fx, fy, cell, frame, travel, index)
+        insert(bearings, distances, n, state, fx, fy, cell, frame, travel, index)
+        clear_seen_past(bearings, distances, n, state, fx, fy, cell, frame, travel, index)
 
     def view(self, x, y, heading, bx, by, reach):
         """Fill bx, by (array 'H', mm + 8192, body frame) with the points within reach mm; returns their number.

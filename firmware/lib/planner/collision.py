@@ -132,7 +132,7 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
     A candidate found to be shorter than job[_FLOOR] is given up at once.
     """
     atan = ptr16(ATAN)
-    sine = ptr32(SIN)
+    sine = ptr16(SIN)
     last_block = 65535
     near = job[0]
     n = job[1]
@@ -237,11 +237,11 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
                 if phi > 16384:
                     phi = (phi * 225) >> 12  # 0.1 deg
                     if phi <= 1800:
-                        ray_c = 0 - (sine[phi - 900] >> 20)
-                        ray_s = sine[1800 - phi] >> 20
+                        ray_c = 0 - (sine[phi - 900] >> 6)
+                        ray_s = sine[1800 - phi] >> 6
                     else:
-                        ray_c = 0 - (sine[2700 - phi] >> 20)
-                        ray_s = 0 - (sine[phi - 1800] >> 20)
+                        ray_c = 0 - (sine[2700 - phi] >> 6)
+                        ray_s = 0 - (sine[phi - 1800] >> 6)
                 while i >= 0:
                     dx = px[i] - xc
                     dy = py[i] - yc
