@@ -3,7 +3,8 @@
 PYTHON ?= python3
 VENV := .venv
 RUN := $(VENV)/bin/python
-STAMP := $(VENV)/.installed
+INSTALLED := $(VENV)/.installed
+READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo test lint bench experiments flash deploy monitor screenshots
@@ -11,10 +12,15 @@ STAMP := $(VENV)/.installed
 help:  ## list the words
 	@sed -n 's/^\([a-z][a-z-]*\):[^#]*## /\1\t/p' $(MAKEFILE_LIST) | sort | awk -F'\t' '{printf "  make %-12s %s\n", $$1, $$2}'
 
-setup: $(STAMP)  ## install what the host needs into .venv
+setup: $(INSTALLED)  ## install what the host needs into .venv
+	@$(RUN) -m host.micropython
+	@touch $(READY)
 	@echo "Ready. Try: make demo"
 
-$(STAMP): pyproject.toml
+$(READY): pyproject.toml
+	@$(MAKE) --no-print-directory setup
+
+$(INSTALLED): pyproject.toml
 	@command -v $(PYTHON) >/dev/null || { echo "Missing: $(PYTHON). Install Python 3.11 or newer, or say make setup PYTHON=/path/to/python"; exit 1; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Missing: Python 3.11 or newer; $(PYTHON) is $$($(PYTHON) -V). Say make setup PYTHON=/path/to/python"; exit 1; }
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { echo "Missing: Python's venv module (on Debian and Ubuntu: apt install python3-venv)"; exit 1; }
@@ -23,35 +29,35 @@ $(STAMP): pyproject.toml
 	@$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[test]'
 	@touch $@
 
-demo: $(STAMP)  ## drive the Z course, 550 mm wide, in the digital twin
+demo: $(READY)  ## drive the Z course, 550 mm wide, in the digital twin
 	@mkdir -p out
 	@$(RUN) -m host.twin Z --width 550 --picture out/demo.png
 
-test: $(STAMP)  ## run all tests
+test: $(READY)  ## run all tests
 	@$(RUN) -m pytest
 
-lint: $(STAMP)  ## look over the sources: ruff and mypy
+lint: $(READY)  ## look over the sources: ruff and mypy
 	@$(VENV)/bin/ruff check
 	@$(VENV)/bin/ruff format --check
 	@$(VENV)/bin/mypy
 
-bench: $(STAMP)  ## measure what the firmware's stages take, here and on the ESP32 (modelled)
+bench: $(READY)  ## measure what the firmware's stages take, here and on the ESP32 (modelled)
 	@$(RUN) -m host.bench
 
-experiments: $(STAMP)  ## run the papers' experiments and write docs/results.md (ARGS=--quick for a taste, --cluster ADDRESS)
+experiments: $(READY)  ## run the papers' experiments and write docs/results.md (ARGS=--quick for a taste, --cluster ADDRESS)
 	@$(RUN) -m host.experiments $(ARGS)
 
 # What host.flash takes: PORT=/dev/ttyUSB0 FIRMWARE=file.bin BAUD=115200 BLANK=1 DRY=1
 FLASH = $(RUN) -m host.flash $(if $(PORT),--port $(PORT)) $(if $(BAUD),--baud $(BAUD)) $(if $(DRY),--dry-run)
 
-flash: $(STAMP)  ## put MicroPython and the firmware on an ESP32 (PORT=, FIRMWARE=file.bin, BAUD=, BLANK=1, DRY=1)
+flash: $(READY)  ## put MicroPython and the firmware on an ESP32 (PORT=, FIRMWARE=file.bin, BAUD=, BLANK=1, DRY=1)
 	@$(FLASH) $(if $(FIRMWARE),--firmware "$(FIRMWARE)") $(if $(BLANK),--blank)
 
-deploy: $(STAMP)  ## put what changed of the firmware on the board (PORT=, DRY=1)
+deploy: $(READY)  ## put what changed of the firmware on the board (PORT=, DRY=1)
 	@$(FLASH) --deploy
 
-monitor: $(STAMP)  ## see and drive the robot, or the twin, in the browser (ADDRESS=twin:z?width=550)
+monitor: $(READY)  ## see and drive the robot, or the twin, in the browser (ADDRESS=twin:z?width=550)
 	@$(RUN) -m host.monitor $(if $(ADDRESS),"$(ADDRESS)")
 
-screenshots: $(STAMP)  ## take the pictures in docs/ again (needs chromium and chromium-driver)
+screenshots: $(READY)  ## take the pictures in docs/ again (needs chromium and chromium-driver)
 	@SCREENSHOTS=$(CURDIR)/docs $(RUN) -m pytest tests/host/test_monitor_page.py

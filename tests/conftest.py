@@ -1,4 +1,4 @@
-"""Every test of the firmware runs twice: here in CPython, and in the real MicroPython, where it is named test_...[micropython].
+"""Every test of the firmware runs twice: here in CPython, and in the real MicroPython with the board's word size, where it is named test_...[micropython].
 
 One MicroPython process runs the selected tests of one file (tests/firmware/runner.py). All of them run in an empty folder.
 """
@@ -16,11 +16,12 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 FIRMWARE_TESTS = ROOT / "tests" / "firmware"
 TIME_LIMIT_S = 300
+HEAP = 4 * 1024 * 1024  # the tests compile the sources and build robots by the dozen; what the robot has is tests/host/test_memory.py's
 
 if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
-from host import compat
+from host import compat, micropython
 
 compat.install()
 
@@ -61,11 +62,12 @@ class MicroPythonFile(pytest.File):
         return self._outcomes.get(test, (False, self._outcomes[None]))
 
     def _run(self, tests, folder):
-        micropython = find_tool("micropython")
-        if micropython is None:
-            return {None: "micropython is not installed: run `make setup`"}
+        try:
+            port = micropython.find()
+        except micropython.ToolMissing as missing:
+            return {None: str(missing)}
         path = ":".join(map(str, (FIRMWARE_TESTS, ROOT / "firmware" / "lib")))
-        command = [micropython, str(FIRMWARE_TESTS / "runner.py"), self.path.stem, *tests]
+        command = [*port.command, "-X", f"heapsize={HEAP * port.heap_factor}", str(FIRMWARE_TESTS / "runner.py"), self.path.stem, *tests]
         try:
             process = subprocess.run(
                 command, cwd=folder, env={**os.environ, "MICROPYPATH": path}, capture_output=True, text=True, errors="replace", timeout=TIME_LIMIT_S

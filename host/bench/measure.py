@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from host import micropython
 from host.twin import image
 
 from . import blocks, machine_code
@@ -100,7 +101,7 @@ def play(what, tape, robot, board, firmware, *extra):
         (Path(folder) / "robot.json").write_text(robot)
         log = Path(folder) / "log"
         command = [
-            *image.micropython(),
+            *micropython.find().command,
             "-X",
             f"heapsize={HEAP[what]}",
             str(HERE / "board" / "runner.py"),

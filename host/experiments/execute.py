@@ -4,12 +4,12 @@ from dataclasses import asdict
 
 import numpy as np
 
-from host.twin import Watch, process
+from host.twin import Watch
 from host.twin import run as drive
 
 from . import plan, planners
 
-OWN_HEAP = process.HEAP
+LARGE_HEAP = 4 * 1024 * 1024
 TRACK_S = 0.05  # no more poses than one in this time are kept
 
 
@@ -35,7 +35,7 @@ def execute(run, sources):
     """Drive a plan.Run with the sources of that hash; returns a dict that JSON can hold. Called on workers too."""
     firmware = planners.firmware(run.planner, sources)
     # The others compute with lists and floats: they are compared by what they decide, not by the heap they need.
-    process.HEAP = OWN_HEAP if run.planner in (plan.AWS, plan.NAWS) else "4m"
+    heap = None if run.planner in (plan.AWS, plan.NAWS) else LARGE_HEAP
     if run.timed:
         return _head(run, sources) | _timed(run, firmware)
     done = drive(
@@ -48,6 +48,7 @@ def execute(run, sources):
         reverse=run.reverse,
         firmware=firmware,
         record=False,
+        heap=heap,
         watch=None if run.planner in (plan.AWS, plan.NAWS) else _Patience(),
     )
     out = _head(run, sources) | {"result": done.result, "reason": done.reason[:300], "time_s": round(done.time_s, 3), "contacts": done.contacts}

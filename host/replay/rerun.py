@@ -4,13 +4,13 @@ import json
 from dataclasses import dataclass
 
 from host.recording import Decision
-from host.twin import image, load_config, process
+from host.twin import image, load_config, process, wire
 from host.twin.pca9685 import Pca9685
 from host.twin.vehicle import Vehicle
 
 from .tape import Log, Tape
 
-ROOM = process.REPLY - process.PAYLOAD
+ROOM = wire.REPLY - wire.PAYLOAD
 
 
 @dataclass
@@ -35,12 +35,15 @@ def rerun(tape: Tape, robot: str, engine: str = process.ENGINES[0], firmware=ima
 
     robot: text of robot.json. engine: see `process.ENGINES`.
     """
-    wire = Vehicle.from_settings(json.loads(robot)).lidar
-    board = _Board(tape, (wire.rx, wire.baud))
+    lidar = Vehicle.from_settings(json.loads(robot)).lidar
+    board = _Board(tape, (lidar.rx, lidar.baud))
     child = process.Process(engine, robot, lambda data: None, firmware)
     try:
-        while (answer := board.serve(child.receive(), child.send_serial)) is not None:
-            child.answer(*answer)
+        while (answer := board.serve(request := child.receive(), child.send_serial)) is not None:
+            if request.kind == wire.RESET:
+                child.restart()
+            else:
+                child.answer(*answer)
     except process.FirmwareStopped as stopped:
         return Rerun(board.log, str(stopped))
     finally:
@@ -58,31 +61,31 @@ class _Board:
         self._end = tape.then.end_us
         self._chips: dict[int, Pca9685] = {}
 
-    def serve(self, request: process.Request, send_serial):
+    def serve(self, request: wire.Request, send_serial):
         """Answer to one request of the firmware (see `process.Process.answer`); None when the tape is over."""
         self._note(request)
-        if request.target > self._end or request.kind == process.RESET:
+        if request.target > self._end:
             return None
         inputs = self._tape.turn_inputs(request.target)
         shown = inputs.levels, inputs.addresses, inputs.battery
         for data in self._tape.take_commands(request.target):
             send_serial(data)
-        if request.kind == process.READ:
+        if request.kind == wire.READ:
             answered = self._tape.read(request.now, request.address, request.size)
             computed = self._chip(request.address).read(request.size)
             return 0, *shown, (), computed if answered is None else answered
-        if request.kind != process.ADVANCE:
+        if request.kind != wire.ADVANCE:
             return 0, *shown
-        pieces = [(time, data, *self._wire) for time, data in self._tape.take_lidar(request.target, process.CHUNKS, ROOM)]
+        pieces = [(time, data, *self._wire) for time, data in self._tape.take_lidar(request.target, wire.CHUNKS, ROOM)]
         horizon = self._tape.next_us(request.target)
         return self._end + 1 if horizon is None else horizon, *shown, pieces
 
-    def _note(self, request: process.Request) -> None:
+    def _note(self, request: wire.Request) -> None:
         decisions = self.log.decisions
         if request.probe[0] and (not decisions or decisions[-1][1].number != request.probe[0]):
             decisions.append((request.now, Decision(*request.probe)))
         for time, kind, address, _, data in request.events:
-            if kind == process.I2C_WRITE:
+            if kind == wire.I2C_WRITE:
                 self._chip(address).write(data)
                 self.log.writes.append((time, address, data))
 

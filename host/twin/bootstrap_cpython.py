@@ -1,6 +1,6 @@
 """As bootstrap.py, where CPython plays the board.
 
-    bootstrap_cpython.py READ_FD WRITE_FD BOARD FIRMWARE ROOT
+    bootstrap_cpython.py READ_FD WRITE_FD TICKS CAUSE BOARD FIRMWARE ROOT
 
 BOARD: folder of lockstep, machine and time.  FIRMWARE: folder of main and lib.  ROOT: where `host.compat` is found.
 """
@@ -8,7 +8,7 @@ BOARD: folder of lockstep, machine and time.  FIRMWARE: folder of main and lib. 
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
 
-_board, _firmware, _root = sys.argv[3:6]
+_board, _firmware, _root = sys.argv[5:8]
 
 
 def _take_over(name):
@@ -27,7 +27,7 @@ import lockstep
 
 _take_over("time")
 _take_over("machine")
-lockstep.connect(int(sys.argv[1]), int(sys.argv[2]))
+lockstep.connect(*[int(word) for word in sys.argv[1:5]])
 
 try:
     import main  # noqa: F401

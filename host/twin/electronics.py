@@ -12,6 +12,7 @@ NEVER = float("inf")
 class Electronics:
     """Three PCA9685 chips, the output-enable pin, the lidar's motor driver and the inputs.
 
+    enabled: whether the output-enable pin lets the outputs of the chips through.
     stop_pressed, battery_volts, chips: for a Watch to change; a chip taken out of `chips` no longer answers.
     latch: time (us) at which the servos answer to changed pulses, NEVER while nothing has changed.
     """
@@ -29,7 +30,7 @@ class Electronics:
         self._trims = np.radians(np.array(vehicle.trims) / 10)
         self._directions = np.array(vehicle.servo_directions)
         self._speeds = np.array(vehicle.motor_directions) * vehicle.full_speed
-        self._enabled = False  # the pull-up holds the outputs off until the firmware drives the pin
+        self.enabled = False  # the pull-up holds the outputs off until the firmware drives the pin
         self._servo_phase = 0.0
         self.latch = NEVER
         self.stop_pressed = False
@@ -77,9 +78,16 @@ class Electronics:
     def pin(self, time, gpio, level):
         """An output pin changed."""
         if gpio == self._vehicle.output_enable:
-            self._enabled = not level
+            self.enabled = not level
             self._await_pulse(time)
             self._drive()
+
+    def release_pins(self, time):
+        """The processor resets: its pins float. The pull-up at the output-enable pin switches the chips' outputs off, the lidar's motor driver stops."""
+        self.enabled = False
+        self._await_pulse(time)
+        self._drive()
+        self._lidar.spin(time, 0)
 
     def pwm(self, time, gpio, duty):
         """The duty of a PWM pin changed, 0..1."""
@@ -92,7 +100,7 @@ class Electronics:
         chip = self._servo
         widths = np.array([chip.on_us(channel) for channel in self._vehicle.servo_channels])
         driven = (widths >= SHORTEST_US) & (widths <= LONGEST_US)
-        if not self._enabled:
+        if not self.enabled:
             driven[:] = False
         angles = self._directions * (widths - self._centre) * self._radians_per_us
         self._body.steer(angles - self._trims, driven)
@@ -107,7 +115,7 @@ class Electronics:
     def _drive(self):
         """Motors follow IN1 less IN2."""
         shares = np.zeros(len(self._speeds))
-        if self._enabled:
+        if self.enabled:
             for axle, channel in enumerate(self._vehicle.motor_channels):
                 for side, chip in enumerate((self._left, self._right)):
                     shares[2 * axle + side] = chip.duty(channel) - chip.duty(channel + 1)

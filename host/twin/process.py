@@ -3,98 +3,56 @@
 import os
 import select
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
 
-from . import image
+from host import micropython
 
-ENGINES = ("micropython", "cpython")
-ADVANCE, READ, FLUSH, RESET = 1, 2, 3, 4
-I2C_WRITE, PIN, PWM_DUTY, PWM_FREQUENCY, UART_OUTPUT = 1, 2, 3, 4, 5
-REPLY, SHORT, PAYLOAD, CHUNKS = 1024, 256, 176, 4
-# Words of 64 bits take twice the room of the board's; the 32-bit port will tell it exactly.
-HEAP = "320k"
-SILENCE_S = 20.0
+from . import image, wire
+from .silence import Silence
 
-_REQUEST = struct.Struct("<IBBHqq11iI")
-_EVENT = struct.Struct("<qBBH")
-_WITH_DATA = (I2C_WRITE, UART_OUTPUT)
+ENGINES = (*micropython.ENGINES, "cpython")
+HEAP = 200 * 1024  # bytes on the board
+POWER_ON, SOFT_RESET = 1, 5  # as machine.reset_cause() says it
+BOOT_US = 300_000  # from the reset to main.py's first line, roughly what the stock image takes
 
 
 class FirmwareStopped(Exception):
     """The firmware ended or crashed, or no longer lets time pass; the message says which."""
 
 
-@dataclass
-class Request:
-    """One message of the firmware. events: [(time, kind, where, value, data)]."""
-
-    kind: int
-    address: int
-    size: int
-    now: int
-    target: int
-    probe: tuple
-    overflows: int
-    events: list
-
-
 class Process:
     """The firmware in a process of its own.
 
-    config_text: the robot.json that it finds. on_serial(bytes) gets what it prints.
+    engine: one of ENGINES. config_text: the robot.json that it finds. on_serial(bytes) gets what it prints. heap: bytes that it has on
+    the board, None = HEAP.
     """
 
-    def __init__(self, engine, config_text, on_serial, firmware=image.FIRMWARE):
+    def __init__(self, engine, config_text, on_serial, firmware=image.FIRMWARE, heap=None):
+        self._engine = engine
+        self._firmware = Path(firmware)
+        self._heap = heap or HEAP
         self._on_serial = on_serial
-        self._errors = b""
-        self._said = b""
+        self._began = 0  # when the board's clock showed 0
+        self._closed = False
         self._folder = tempfile.mkdtemp(prefix="gapseeker-")
-        (Path(self._folder) / "robot.json").write_text(config_text)
-        to_board, self._to_board = os.pipe()
-        self._from_board, from_board = os.pipe()
         try:
-            self._child = subprocess.Popen(
-                self._command(engine, to_board, from_board, Path(firmware)),
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                pass_fds=(to_board, from_board),
-                cwd=self._folder,
-                process_group=0,
-                bufsize=0,
-                env={**os.environ, "PYTHONHASHSEED": "0"},
-            )
+            (Path(self._folder) / "robot.json").write_text(config_text)
+            self._words = self._command()
+            self._start(0, POWER_ON)
         except BaseException:
             shutil.rmtree(self._folder)
             raise
-        finally:
-            os.close(to_board)
-            os.close(from_board)
-        os.set_blocking(self._child.stdin.fileno(), False)
-        self._poll = select.poll()
-        self._readers = {}
-        for descriptor, reader in (
-            (self._from_board, self._read_request),
-            (self._child.stdout.fileno(), self._read_serial),
-            (self._child.stderr.fileno(), self._read_errors),
-        ):
-            self._poll.register(descriptor, select.POLLIN)
-            self._readers[descriptor] = reader
-        self._gathered = b""
-        self._asked = FLUSH  # kind of the latest request
-        self._closed = False
 
     def receive(self):
         """The next request. FirmwareStopped when none will come."""
-        while len(self._gathered) < _REQUEST.size or len(self._gathered) < int.from_bytes(self._gathered[:4], "little"):
-            ready = self._poll.poll(SILENCE_S * 1000)
-            if not ready:
-                raise FirmwareStopped(f"the firmware computed for {SILENCE_S:g} s without letting time pass: an endless loop?")
+        silence = Silence(self._child.pid)
+        while wire.missing(self._gathered):
+            ready = self._poll.poll(silence.look_ms)
+            if not ready and (trouble := silence.trouble()):
+                raise FirmwareStopped(trouble)
             for descriptor, _ in ready:
                 if not self._readers[descriptor]():
                     self._poll.unregister(descriptor)
@@ -102,21 +60,26 @@ class Process:
             if self._from_board not in self._readers:
                 raise FirmwareStopped(self._last_words())
         data, self._gathered = self._gathered, b""
-        _, kind, address, size, now, target, *probe, overflows = _REQUEST.unpack_from(data)
-        self._asked = kind
-        return Request(kind, address, size, now, target, tuple(probe), overflows, list(_events(data)))
+        self._request = wire.decode(data, self._began)
+        return self._request
 
-    def answer(self, horizon, levels, addresses, adc, chunks=(), payload=b""):
-        """Answer the request. chunks, to ADVANCE only: [(time of the first byte, bytes, GPIO, baud rate)]."""
-        words = [horizon, levels, _mask(addresses, 0), _mask(addresses, 60), adc, len(chunks)]
-        for time, data, gpio, baud in chunks:
-            words += (time, len(data), gpio, baud)
-            payload += data
-        head = struct.pack(f"<{len(words)}q", *words)
+    def answer(self, *inputs):
+        """Answer the request; inputs as `wire.encode` wants them after the request and the clock."""
         try:
-            os.write(self._to_board, (head.ljust(PAYLOAD, b"\0") + payload).ljust(REPLY if self._asked == ADVANCE else SHORT, b"\0"))
+            os.write(self._to_board, wire.encode(self._request, self._began, *inputs))
         except BrokenPipeError:
             pass  # the next receive says why
+
+    def restart(self):
+        """Instead of an answer to a RESET: the board starts again, with the files that it has; the next request comes from its new life.
+
+        The chip's clock begins anew, except after a soft reset.
+        """
+        now, cause = self._request.now + BOOT_US, self._request.address
+        self._stop()
+        if cause != SOFT_RESET:
+            self._began = now
+        self._start(now - self._began, cause)
 
     def send_serial(self, data):
         """Bytes to the board's USB serial line; what a board that does not read has no room for is lost."""
@@ -130,6 +93,63 @@ class Process:
         if self._closed:
             return
         self._closed = True
+        self._stop()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _command(self):
+        """What starts the firmware, but for what _start adds."""
+        if self._engine == "cpython":
+            # -S: site-packages have no place on the board; -u: what was printed before a reset has been printed.
+            return [sys.executable, "-E", "-S", "-u", str(image.BOARD.parent / "bootstrap_cpython.py")], [
+                str(image.BOARD),
+                str(self._firmware),
+                str(image.ROOT),
+            ]
+        port = micropython.find(self._engine)
+        board, firmware = image.compiled(self._firmware, port)
+        # Short names, as on the board: the interpreter keeps each module's path in the heap.
+        for name, place in (("board", board), ("lib", firmware / "lib"), ("main.mpy", firmware / "main.mpy"), ("bootstrap.mpy", board / "bootstrap.mpy")):
+            (Path(self._folder) / name).symlink_to(place)
+        return [*port.command, "-X", f"heapsize={self._heap * port.heap_factor}", "-m", "bootstrap"], []
+
+    def _start(self, ticks, cause):
+        """Begin a life of the board. ticks: what its clock shows, us."""
+        to_board, self._to_board = os.pipe()
+        self._from_board, from_board = os.pipe()
+        before, behind = self._words
+        try:
+            self._child = subprocess.Popen(
+                [*before, *map(str, (to_board, from_board, ticks, cause)), *behind],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                pass_fds=(to_board, from_board),
+                cwd=self._folder,
+                process_group=0,
+                bufsize=0,
+                env={**os.environ, "PYTHONHASHSEED": "0"},
+            )
+        except BaseException:
+            os.close(self._to_board)
+            os.close(self._from_board)
+            raise
+        finally:
+            os.close(to_board)
+            os.close(from_board)
+        os.set_blocking(self._child.stdin.fileno(), False)
+        self._errors = self._said = self._gathered = b""
+        self._poll = select.poll()
+        self._readers = {}
+        for descriptor, reader in (
+            (self._from_board, self._read_request),
+            (self._child.stdout.fileno(), self._read_serial),
+            (self._child.stderr.fileno(), self._read_errors),
+        ):
+            self._poll.register(descriptor, select.POLLIN)
+            self._readers[descriptor] = reader
+
+    def _stop(self):
+        """End a life of the board; what it printed last is still told."""
         self._child.kill()
         self._child.wait()
         while self._read_serial():
@@ -139,18 +159,6 @@ class Process:
         os.close(self._from_board)
         self._child.stdout.close()
         self._child.stderr.close()
-        shutil.rmtree(self._folder, ignore_errors=True)
-
-    def _command(self, engine, to_board, from_board, firmware):
-        descriptors = [str(to_board), str(from_board)]
-        if engine == "micropython":
-            board, firmware = image.compiled(firmware)
-            # Short names, as on the board: the interpreter keeps each module's path in the heap.
-            for name, place in (("board", board), ("lib", firmware / "lib"), ("main.mpy", firmware / "main.mpy"), ("bootstrap.mpy", board / "bootstrap.mpy")):
-                (Path(self._folder) / name).symlink_to(place)
-            return [*image.micropython(), "-X", f"heapsize={HEAP}", "-m", "bootstrap", *descriptors]
-        command = [sys.executable, "-E", "-S", str(image.BOARD.parent / "bootstrap_cpython.py"), *descriptors]
-        return [*command, str(image.BOARD), str(firmware), str(image.ROOT)]
 
     def _read_request(self):
         data = os.read(self._from_board, 65536)
@@ -182,17 +190,3 @@ class Process:
         if at >= 0:
             return "the firmware crashed:\n" + said[at:].strip()
         return f"the firmware's main.py came to its end (exit {code})"
-
-
-def _events(data):
-    at = _REQUEST.size
-    while at < len(data):
-        time, kind, where, value = _EVENT.unpack_from(data, at)
-        at += _EVENT.size
-        size = value if kind in _WITH_DATA else 0
-        yield time, kind, where, value, data[at : at + size]
-        at += size
-
-
-def _mask(addresses, base):
-    return sum(1 << address - base for address in addresses if base <= address < base + 60)

@@ -161,6 +161,10 @@ class Several(Watch):
         for watch in self._watches:
             watch.uart(time, gpio, data)
 
+    def reset(self, time, cause):
+        for watch in self._watches:
+            watch.reset(time, cause)
+
     def serial(self, data):
         for watch in self._watches:
             watch.serial(data)

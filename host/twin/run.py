@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import courses, image
+from . import courses, image, wire
 from .process import FirmwareStopped, Process
 from .recorder import Recorder, Several
 from .simulation import BLOCKED, PASS, TIMEOUT, Simulation, Watch
@@ -77,6 +77,7 @@ def run(
     firmware=image.FIRMWARE,
     limit_s=None,
     record=None,
+    heap=None,
 ):
     """Drive one course; returns a Result.
 
@@ -84,6 +85,7 @@ def run(
     it perturbs the start as well. mode: "aws" or "naws", None as robot.json says. speed: factor on real time, None = as fast as
     possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it. watch: simulation.Watch, told what
     happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run earlier than after 60 s.
+    heap: bytes that the firmware has on the board, None as `Process` says.
     record: file for a recording of the run; None records into out/ended-badly/ and keeps that only if the run ends badly; False never records.
     """
     began = time.monotonic()
@@ -99,7 +101,7 @@ def run(
             recorder = stack.enter_context(Recorder.begin(record, text, address, firmware, {"engine": engine}))
             watch = Several(recorder, watch)
         simulation = Simulation(layout, vehicle, seed, watch)
-        child = Process(engine, text, watch.serial, firmware)
+        child = Process(engine, text, watch.serial, firmware, heap)
         stack.callback(child.close)
         try:
             ended = _drive(simulation, child, watch, speed, limit_s)
@@ -167,7 +169,8 @@ def _drive(simulation, child, watch, speed, limit_s):
     """True when the run came to its own end, False when the limit cut it."""
     start = time.monotonic()
     while simulation.result is None:
-        answer = simulation.serve(child.receive())
+        request = child.receive()
+        answer = simulation.serve(request)
         watch.step(simulation)
         if speed:
             ahead = simulation.now / 1e6 / speed - (time.monotonic() - start)
@@ -180,7 +183,11 @@ def _drive(simulation, child, watch, speed, limit_s):
         if commands:
             watch.command(commands)
             child.send_serial(commands)
-        if simulation.result is None:
+        if simulation.result is not None:
+            break
+        if request.kind == wire.RESET:
+            child.restart()
+        else:
             child.answer(*answer)
     return True
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import process
+from . import wire
 from .body import Body
 from .contact import Contact
 from .delta2b import DELAY_US, Delta2B
@@ -15,7 +15,7 @@ from .world import World
 STEP_US = 10_000.0
 LIMIT_US = 60e6
 STUCK_US = 10e6  # held by a wall for so long: the run is over
-ROOM = process.REPLY - process.PAYLOAD
+ROOM = wire.REPLY - wire.PAYLOAD
 
 PASS, LOCAL_COLLISION, BLOCKED, TIMEOUT = "pass", "local_collision", "blocked", "timeout"
 
@@ -74,31 +74,32 @@ class Simulation:
         self.overflows = request.overflows
         for time, kind, where, value, data in request.events:
             self._move(time)
-            if kind == process.I2C_WRITE:
+            if kind == wire.I2C_WRITE:
                 electronics.i2c_write(time, where, data)
                 self._watch.registers(time, where, data)
-            elif kind == process.PIN:
+            elif kind == wire.PIN:
                 electronics.pin(time, where, value)
-            elif kind == process.PWM_DUTY:
+            elif kind == wire.PWM_DUTY:
                 electronics.pwm(time, where, value / 65535)
-            elif kind == process.UART_OUTPUT:
+            elif kind == wire.UART_OUTPUT:
                 self._watch.uart(time, where, data)
         self._run_up_to(request.target)
         self.now = request.target
         inputs = electronics.levels, electronics.addresses, electronics.battery_reading
-        if request.kind == process.READ:
+        if request.kind == wire.READ:
             data = electronics.i2c_read(request.address, request.size)
             self._watch.read(request.now, request.address, data)
             return 0, *inputs, (), data
-        if request.kind == process.RESET:
-            self._end(BLOCKED, "the firmware reset the board")
-        if request.kind != process.ADVANCE:
+        if request.kind == wire.RESET:
+            self._watch.reset(request.now, request.address)
+            electronics.release_pins(request.now)
+        if request.kind != wire.ADVANCE:
             return 0, *inputs
-        batches = self._line.take(request.target, process.CHUNKS, ROOM)
-        wire = self._lidar_wire
+        batches = self._line.take(request.target, wire.CHUNKS, ROOM)
+        line = self._lidar_wire
         for time, data in batches:
             self._watch.lidar(time, data)
-        return self._horizon(), *inputs, [(time, data, *wire) for time, data in batches]
+        return self._horizon(), *inputs, [(time, data, *line) for time, data in batches]
 
     def stop(self, result, reason):
         """End the run from outside."""
@@ -178,6 +179,9 @@ class Watch:
 
     def uart(self, time, gpio, data):
         """The firmware sent bytes on a UART."""
+
+    def reset(self, time, cause):
+        """The board resets itself; cause as machine.reset_cause() gives it afterwards."""
 
     def serial(self, data):
         """The firmware printed bytes on the USB serial line."""

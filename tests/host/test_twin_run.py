@@ -1,10 +1,11 @@
 """The firmware in lockstep: small programs on the simulated board, then the robot's own firmware."""
 
 import json
+import os
 
 import pytest
 
-from host.twin import Watch, image, process, run
+from host.twin import Watch, image, run, silence
 
 ENGINES = ("micropython", "cpython")
 
@@ -144,22 +145,85 @@ def test_a_crash_ends_the_run_with_its_traceback(board, engine):
 
 
 def test_an_endless_loop_ends_the_run(board, monkeypatch):
-    monkeypatch.setattr(process, "SILENCE_S", 0.3)
+    monkeypatch.setattr(silence, "LIMIT_S", 0.3)
     result, _ = board("while True:\n    pass\n")
     assert result.result == "blocked"
     assert "without letting time pass" in result.reason
 
 
-def test_a_reset_ends_the_run(board):
-    result, _ = board("import machine\nmachine.reset()\n")
-    assert (result.result, result.reason) == ("blocked", "the firmware reset the board")
+def test_a_firmware_that_waits_for_nothing_ends_the_run(board, monkeypatch):
+    monkeypatch.setattr(silence, "LIMIT_S", 0.3)
+    result, _ = board("import sys\nsys.stdin.readline()\n")
+    assert "nobody sends" in result.reason
 
 
-def test_the_watchdog_bites(board):
-    feeding = "for _ in range(9):\n    time.sleep_ms(100)\n    w.feed()\n"
-    result, _ = board("import machine, time\nw = machine.WDT(timeout=500)\n" + feeding + "time.sleep(1)\n")
-    assert result.reason == "the firmware reset the board"
-    assert result.time_s == pytest.approx(0.9, abs=0.02)
+def test_a_process_that_is_kept_waiting_has_computed_nothing(board, monkeypatch):
+    monkeypatch.setattr(silence, "LIMIT_S", 0.3)
+    source = "import os, signal, time\nfor _ in range(3):\n    time.sleep_ms(100)\nos.kill(os.getpid(), signal.SIGSTOP)\ntime.sleep_ms(100)\nprint('went on')\n"
+
+    class Nurse(Log):
+        """Lets the stopped process go on, four times the limit later."""
+
+        def step(self, simulation):
+            if simulation.now > 250_000:
+                import subprocess
+                import threading
+
+                wake = "sleep 1.2; for p in $(ps -o pid= --ppid %d); do kill -CONT $p; done" % os.getpid()
+                threading.Thread(target=lambda: subprocess.run(["sh", "-c", wake], check=False)).start()
+
+    _, log = board(source, engine="cpython", watch=Nurse())
+    assert b"went on" in log.printed
+
+
+LIVES = """
+import machine, time
+cause = machine.reset_cause()
+with open("lives", "a") as file:
+    file.write("%d " % cause)
+with open("lives") as file:
+    lives = file.read()
+enable = machine.Pin(33, machine.Pin.OUT, value=0)
+time.sleep_ms(100)
+print(lives, time.ticks_ms())
+if cause == 1:
+    machine.reset()
+if cause == 2:
+    machine.soft_reset()
+if cause == 5:
+    watchdog = machine.WDT(timeout=500)
+    for _ in range(9):
+        time.sleep_ms(100)
+        watchdog.feed()
+    time.sleep(1)
+time.sleep(3)
+"""
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_board_starts_again(board, engine):
+    class Lives(Log):
+        def __init__(self):
+            super().__init__()
+            self.resets = []
+            self.enabled = []
+
+        def reset(self, time, cause):
+            self.resets.append((time, cause))
+            self.enabled.append((time, self.simulation.electronics.enabled))
+
+        def step(self, simulation):
+            self.simulation = simulation
+            self.enabled.append((simulation.now, simulation.electronics.enabled))
+
+    result, log = board(LIVES, engine, watch=Lives(), limit_s=4)
+    lines = [line.split() for line in log.printed.decode().splitlines()]
+    assert [line[:-1] for line in lines] == [["1"], ["1", "2"], ["1", "2", "5"], ["1", "2", "5", "3"]]  # the file is kept
+    assert [int(line[-1]) for line in lines] == [100, 100, 500, 100]  # a soft reset leaves the clock alone; 300 ms to main.py
+    assert log.resets == [(100_000, 2), (500_000, 5), (2_300_000, 3)]  # bitten 500 ms after the last feeding, 1.4 s after 0.9
+    assert not any(enabled for time, enabled in log.enabled if 110_000 < time < 390_000)  # the pins float
+    assert (100_000, True) in log.enabled
+    assert result.reason == "4 s are over"
 
 
 def test_source_that_does_not_compile_is_named(board):

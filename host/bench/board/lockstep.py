@@ -23,9 +23,14 @@ PWM_FREQUENCY = const(4)
 UART_OUTPUT = const(5)
 
 _HEADER = const(48)
+_MASK = const(0x3FFFFFFF)
+_HALF = const(0x20000000)
 
-now = 0
-watchdog_at = 0
+now = 0  # us since the tape began; no tape reaches the clock's round of 2**30
+now_ms = 0
+rounds = 0
+cause = 1
+watchdog_us = -1
 overflows = 0
 written = 0  # I2C writes so far
 write_us = 0  # time of the last one's end
@@ -37,7 +42,7 @@ on_end = None
 _tape = b""
 _inputs = (0,) * 6
 _at = 0
-_batch = array("l", (0, 0, 0, 0))  # time, number of bytes, bytes handed over, where they begin
+_batch = array("i", (0, 0, 0, 0))  # time, number of bytes, bytes handed over, where they begin
 _receiver = None
 _chips = {}
 _pointer = {}
@@ -69,12 +74,23 @@ def attach(gpio, receiver):
         _receiver = receiver
 
 
-def advance_to(time):
-    """Let time pass."""
-    global now
-    now = time
+def later(ticks, duration):
+    """Ticks `duration` after others."""
+    return ticks + duration & _MASK
+
+
+def since(ticks, start):
+    """Signed ticks from `start` to `ticks`."""
+    return (ticks - start + _HALF & _MASK) - _HALF
+
+
+def advance(duration):
+    """Let time pass, us."""
+    global now, now_ms
+    now += duration
+    now_ms = now // 1000
     if on_step is not None:
-        on_step(time)
+        on_step(now)
     if _batch[0] < 0:
         on_end()
 
@@ -83,7 +99,8 @@ def deliver():
     """Hand over the bytes that have arrived by now."""
     global last_byte_us
     while _batch[0] >= 0 and now >= _batch[0]:
-        arrived = (now - _batch[0]) * _inputs[5] // 10000000 + 1
+        elapsed = now - _batch[0]
+        arrived = (elapsed // 1000 * _inputs[5] + elapsed % 1000 * _inputs[5] // 1000) // 10000 + 1
         if arrived > _batch[1]:
             arrived = _batch[1]
         fresh = arrived - _batch[2]
@@ -92,7 +109,7 @@ def deliver():
         _batch[2] = arrived
         if arrived < _batch[1]:
             return
-        last_byte_us = _batch[0] + (_batch[1] - 1) * 10000000 // _inputs[5]
+        last_byte_us = _batch[0] + (_batch[1] - 1) * 100000 // (_inputs[5] // 100)
         _load()
 
 
@@ -144,7 +161,7 @@ def adc():
     return _inputs[3]
 
 
-def reset():
+def reset(why):
     """The firmware resets the board: the run is over."""
     on_end()
 
@@ -164,8 +181,8 @@ def _load():
 
 
 def _word(at):
-    """A 64-bit word of the tape, without the tuple that struct makes."""
+    """A 64-bit word of the tape that is no larger than a small integer, without the tuple that struct makes."""
     value = 0
-    for i in range(7, -1, -1):
+    for i in range(3, -1, -1):
         value = value << 8 | _tape[at + i]
     return value

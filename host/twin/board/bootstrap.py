@@ -1,6 +1,6 @@
 """First thing to run on the simulated board: puts the board's `machine` and `time` in place and starts main.py.
 
-    micropython -m bootstrap READ_FD WRITE_FD
+    micropython -m bootstrap READ_FD WRITE_FD TICKS CAUSE
 
 in a folder that holds what the board does (main, lib/) and, in board/, lockstep, machine and time.
 """
@@ -16,7 +16,7 @@ import lockstep
 for _name in ("time", "machine"):
     sys.modules.pop(_name, None)
     sys.modules[_name] = __import__(_name)  # the file comes before the built-in one
-lockstep.connect(int(sys.argv[1]), int(sys.argv[2]))
+lockstep.connect(*[int(word) for word in sys.argv[1:5]])
 
 try:
     import main  # noqa: F401

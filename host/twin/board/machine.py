@@ -6,19 +6,19 @@ What is rarely used is in machine_more.py, and loaded when it is asked for: this
 import lockstep
 from micropython import const
 
-_POWER_ON = const(1)
+_HARD_RESET = const(2)
 _ENODEV = const(19)
 _I2C_OVERHEAD_US = const(40)  # driver time of one transfer, from what 4 and 64 data bytes take on the chip
 
 
 def reset_cause():
-    """The board has just been switched on."""
-    return _POWER_ON
+    """Why the board started; the numbers are in machine_more."""
+    return lockstep.cause
 
 
 def reset():
-    """Restart; ends the run, as the twin shows one life of the board."""
-    lockstep.reset()
+    """Start again, as after switching on but for the cause."""
+    lockstep.reset(_HARD_RESET)
 
 
 def unique_id():
@@ -199,7 +199,7 @@ class I2C:
         """Pass the time of `count` bytes and the address; raise when nobody acknowledges."""
         present = lockstep.acknowledges(address)
         bits = (1 + count) * 9 + 2 if present else 11
-        lockstep.advance_to(lockstep.now + _I2C_OVERHEAD_US + bits * self._bit_ns // 1000)
+        lockstep.advance(_I2C_OVERHEAD_US + bits * self._bit_ns // 1000)
         if not present:
             raise OSError(_ENODEV)
 

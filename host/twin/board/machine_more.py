@@ -1,7 +1,7 @@
 """The parts of `machine` that the robot does not use; see machine.py."""
 
 import lockstep
-from machine import I2C, reset
+from machine import I2C
 from micropython import const
 
 PWRON_RESET = const(1)
@@ -12,7 +12,10 @@ SOFT_RESET = const(5)
 
 _frequency = 160000000
 
-soft_reset = reset
+
+def soft_reset():
+    """Start the interpreter again: pins and the clock stay as they are."""
+    lockstep.reset(SOFT_RESET)
 
 
 def freq(hertz=None):
@@ -40,7 +43,7 @@ SoftI2C = I2C
 
 
 class WDT:
-    """The watchdog: when it is not fed in time the board resets, which ends the run."""
+    """The watchdog: when it is not fed in time the board resets."""
 
     def __init__(self, id=0, timeout=5000):
         self._timeout_us = timeout * 1000
@@ -48,7 +51,7 @@ class WDT:
 
     def feed(self):
         """Start the time-out again."""
-        lockstep.watchdog_at = lockstep.now + self._timeout_us
+        lockstep.watchdog_us = self._timeout_us
 
 
 class Timer:

@@ -1,48 +1,43 @@
 """`time` as the firmware sees it on the simulated board: the twin's clock, with the ESP32's wrap at 2**30."""
 
 import lockstep
+from lockstep import advance, later, since
 from micropython import const
 
-_PERIOD = const(0x40000000)
-_MASK = const(0x3FFFFFFF)
-_HALF = const(0x20000000)
+_LONG_MS = const(100000)  # as much as passes at once: more would not fit a small integer in us
 
 
 def ticks_us():
     """Microseconds since the board started, modulo 2**30."""
-    return lockstep.now & _MASK
+    return lockstep.now
 
 
 def ticks_ms():
     """Milliseconds since the board started, modulo 2**30."""
-    return lockstep.now // 1000 & _MASK
+    return lockstep.now_ms
 
 
-def ticks_cpu():
-    """As ticks_us: the processor's own counter is not modelled."""
-    return lockstep.now & _MASK
-
-
-def ticks_add(ticks, delta):
-    """A moment `delta` later."""
-    return ticks + delta & _MASK
-
-
-def ticks_diff(end, start):
-    """Signed ticks from start to end."""
-    return (end - start + _HALF & _MASK) - _HALF
+ticks_cpu = ticks_us  # the processor's own counter is not modelled
+ticks_add = later
+ticks_diff = since
 
 
 def sleep_us(duration):
     """Let time pass."""
+    while duration > _LONG_MS * 1000:
+        advance(_LONG_MS * 1000)
+        duration -= _LONG_MS * 1000
     if duration > 0:
-        lockstep.advance_to(lockstep.now + duration)
+        advance(duration)
 
 
 def sleep_ms(duration):
     """Let time pass."""
+    while duration > _LONG_MS:
+        advance(_LONG_MS * 1000)
+        duration -= _LONG_MS
     if duration > 0:
-        lockstep.advance_to(lockstep.now + duration * 1000)
+        advance(duration * 1000)
 
 
 def sleep(seconds):
@@ -52,9 +47,9 @@ def sleep(seconds):
 
 def time():
     """Whole seconds since the board started."""
-    return lockstep.now // 1000000
+    return time_ns() // 1000000000
 
 
 def time_ns():
-    """Nanoseconds since the board started."""
-    return lockstep.now * 1000
+    """Nanoseconds since the board started. Makes an object, as on the board."""
+    return ((lockstep.rounds << 30) + lockstep.now) * 1000
