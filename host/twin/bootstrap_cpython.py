@@ -2,7 +2,7 @@
 
     bootstrap_cpython.py READ_FD WRITE_FD TICKS CAUSE BOARD FIRMWARE ROOT
 
-BOARD: folder of lockstep, machine and time.  FIRMWARE: folder of main and lib.  ROOT: where `host.compat` is found.
+BOARD: folder of charge, lockstep, machine and time.  FIRMWARE: folder of main and lib.  ROOT: where `host.compat` is found.
 """
 
 import sys
@@ -23,11 +23,13 @@ from host import compat
 
 compat.install(_firmware)
 
+import charge
 import lockstep
 
 _take_over("time")
 _take_over("machine")
 lockstep.connect(*[int(word) for word in sys.argv[1:5]])
+charge.load("chip.json")
 
 try:
     import main  # noqa: F401

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import math
 import sys
 from pathlib import Path
 
@@ -42,6 +43,7 @@ def main(arguments=None):
             scale=options.scale,
             firmware=options.firmware or FIRMWARE,
             record=options.record,
+            chip=options.chip,
         )
     except (ValueError, ToolMissing, SyntaxError, RecordingError) as error:
         print(f"python -m host.twin: {error}", file=sys.stderr)
@@ -78,6 +80,7 @@ def _parser():
     add("--mode", type=str.lower, choices=MODES, help="all axles steer, or the last one stays straight (default: as robot.json says)")
     add("--engine", choices=ENGINES, default=ENGINES[0], help="what runs the firmware")
     add("--speed", type=_speed, default=None, metavar="X|max", help="factor on real time, or max (default)")
+    add("--chip", type=_chip, default=math.inf, metavar="X|inf", help="factor on the speed of the ESP32 that computes (default 1); inf: takes no time")
     add("--config", metavar="FILE", help="robot.json to use (default firmware/robot.json)")
     add("--firmware", metavar="FOLDER", help="main.py and lib/ to run (default firmware/)")
     add("--json", action="store_true", help="print one JSON object with the result and nothing else")
@@ -102,6 +105,16 @@ def _seed(text):
     if not text.isdigit():
         raise argparse.ArgumentTypeError(f"{text!r} is not a seed; whole numbers from 0 are accepted")
     return int(text)
+
+
+def _chip(text):
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = 0.0
+    if not 0.05 <= factor:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a chip's speed; a factor from 0.05 or inf is accepted")
+    return factor
 
 
 def _speed(text):

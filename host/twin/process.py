@@ -1,5 +1,7 @@
 """The process that runs the firmware, and the lockstep channel to it. The message format is in board/lockstep.py."""
 
+import json
+import math
 import os
 import select
 import shutil
@@ -27,10 +29,10 @@ class Process:
     """The firmware in a process of its own.
 
     engine: one of ENGINES. config_text: the robot.json that it finds. on_serial(bytes) gets what it prints. heap: bytes that it has on
-    the board, None = HEAP.
+    the board, None = HEAP. chip: factor on the speed of an ESP32, math.inf = computing takes no time.
     """
 
-    def __init__(self, engine, config_text, on_serial, firmware=image.FIRMWARE, heap=None):
+    def __init__(self, engine, config_text, on_serial, firmware=image.FIRMWARE, heap=None, chip=1.0):
         self._engine = engine
         self._firmware = Path(firmware)
         self._heap = heap or HEAP
@@ -40,6 +42,8 @@ class Process:
         self._folder = tempfile.mkdtemp(prefix="gapseeker-")
         try:
             (Path(self._folder) / "robot.json").write_text(config_text)
+            if chip < math.inf:
+                (Path(self._folder) / "chip.json").write_text(json.dumps({"percent": max(round(100 * chip), 1), "sizes": image.sizes(self._firmware)}))
             self._words = self._command()
             self._start(0, POWER_ON)
         except BaseException:

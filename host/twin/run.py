@@ -1,6 +1,7 @@
 """One run of the twin from Python: what the command line, the experiments and the bench call."""
 
 import json
+import math
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -78,6 +79,7 @@ def run(
     limit_s=None,
     record=None,
     heap=None,
+    chip=math.inf,
 ):
     """Drive one course; returns a Result.
 
@@ -86,6 +88,7 @@ def run(
     possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it. watch: simulation.Watch, told what
     happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run earlier than after 60 s.
     heap: bytes that the firmware has on the board, None as `Process` says.
+    chip: factor on the speed of an ESP32, math.inf = computing takes no time.
     record: file for a recording of the run; None records into out/ended-badly/ and keeps that only if the run ends badly; False never records.
     """
     began = time.monotonic()
@@ -101,7 +104,7 @@ def run(
             recorder = stack.enter_context(Recorder.begin(record, text, address, firmware, {"engine": engine}))
             watch = Several(recorder, watch)
         simulation = Simulation(layout, vehicle, seed, watch)
-        child = Process(engine, text, watch.serial, firmware, heap)
+        child = Process(engine, text, watch.serial, firmware, heap, chip)
         stack.callback(child.close)
         try:
             ended = _drive(simulation, child, watch, speed, limit_s)

@@ -2,7 +2,7 @@
 
     micropython -m bootstrap READ_FD WRITE_FD TICKS CAUSE
 
-in a folder that holds what the board does (main, lib/) and, in board/, lockstep, machine and time.
+in a folder that holds what the board does (main, lib/) and, in board/, charge, lockstep, machine and time.
 """
 
 import gc
@@ -11,12 +11,14 @@ import sys
 gc.threshold(2048)  # as main.py: what the start leaves behind must not cut the heap to pieces
 sys.path[:] = ["", "board", "lib"]
 
+import charge
 import lockstep
 
 for _name in ("time", "machine"):
     sys.modules.pop(_name, None)
     sys.modules[_name] = __import__(_name)  # the file comes before the built-in one
 lockstep.connect(*[int(word) for word in sys.argv[1:5]])
+charge.load("chip.json")
 
 try:
     import main  # noqa: F401

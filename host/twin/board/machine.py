@@ -3,6 +3,7 @@
 What is rarely used is in machine_more.py, and loaded when it is asked for: this lies in the robot's own heap.
 """
 
+import charge
 import lockstep
 from micropython import const
 
@@ -54,6 +55,7 @@ class Pin:
 
     def value(self, level=None):
         """Read the pin, or set it."""
+        charge.settle()
         if level is None:
             return int(self._level == 1) if self._output else lockstep.level(self.gpio)
         level = 1 if level else 0
@@ -91,6 +93,7 @@ class PWM:
         """Frequency, Hz."""
         if hertz is None:
             return self._freq
+        charge.settle()
         if hertz != self._freq:
             self._freq = hertz
             lockstep.note(lockstep.PWM_FREQUENCY, self._pin, min(hertz, 65535), None, 0)
@@ -101,6 +104,7 @@ class PWM:
             return self._duty
         if not 0 <= duty <= 65535:
             raise ValueError("duty_u16 must be from 0 to 65535")
+        charge.settle()
         if duty != self._duty:
             self._duty = duty
             lockstep.note(lockstep.PWM_DUTY, self._pin, duty, None, 0)
@@ -144,11 +148,13 @@ class UART:
 
     def any(self):
         """Bytes waiting."""
+        charge.settle()
         lockstep.deliver()
         return self._count
 
     def readinto(self, buffer, count=-1):
         """Move waiting bytes to the buffer: their number, or None when there are none. Never waits."""
+        charge.settle()
         lockstep.deliver()
         if count < 0 or count > len(buffer):
             count = len(buffer)
@@ -160,6 +166,7 @@ class UART:
         lockstep.load(self._waiting, buffer, count)
         self._head += count
         self._count -= count
+        charge.taken_in += count
         return count
 
     def read(self, count=-1):
@@ -171,6 +178,8 @@ class UART:
     def write(self, data):
         """Send; the bytes are on the wire at once."""
         count = len(data)
+        charge.settle()
+        charge.given_out += count
         lockstep.note(lockstep.UART_OUTPUT, self._tx & 255, count, data, count)
         return count
 
@@ -197,6 +206,7 @@ class I2C:
 
     def _transfer(self, address, count):
         """Pass the time of `count` bytes and the address; raise when nobody acknowledges."""
+        charge.settle()
         present = lockstep.acknowledges(address)
         bits = (1 + count) * 9 + 2 if present else 11
         lockstep.advance(_I2C_OVERHEAD_US + bits * self._bit_ns // 1000)

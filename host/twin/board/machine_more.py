@@ -1,5 +1,6 @@
 """The parts of `machine` that the robot does not use; see machine.py."""
 
+import charge
 import lockstep
 from machine import I2C
 from micropython import const
@@ -19,11 +20,12 @@ def soft_reset():
 
 
 def freq(hertz=None):
-    """Clock of the processor, Hz. Has no effect: computing takes no time here."""
+    """Clock of the processor, Hz: computing takes as long as that."""
     global _frequency
     if hertz is None:
         return _frequency
     _frequency = hertz
+    charge.clock(hertz)
 
 
 def idle():

@@ -1,6 +1,7 @@
 """`time` as the firmware sees it on the simulated board: the twin's clock, with the ESP32's wrap at 2**30."""
 
 import lockstep
+from charge import settle
 from lockstep import advance, later, since
 from micropython import const
 
@@ -9,11 +10,13 @@ _LONG_MS = const(100000)  # as much as passes at once: more would not fit a smal
 
 def ticks_us():
     """Microseconds since the board started, modulo 2**30."""
+    settle()
     return lockstep.now
 
 
 def ticks_ms():
     """Milliseconds since the board started, modulo 2**30."""
+    settle()
     return lockstep.now_ms
 
 
@@ -24,6 +27,7 @@ ticks_diff = since
 
 def sleep_us(duration):
     """Let time pass."""
+    settle()
     while duration > _LONG_MS * 1000:
         advance(_LONG_MS * 1000)
         duration -= _LONG_MS * 1000
@@ -33,6 +37,7 @@ def sleep_us(duration):
 
 def sleep_ms(duration):
     """Let time pass."""
+    settle()
     while duration > _LONG_MS:
         advance(_LONG_MS * 1000)
         duration -= _LONG_MS
@@ -52,4 +57,5 @@ def time():
 
 def time_ns():
     """Nanoseconds since the board started. Makes an object, as on the board."""
+    settle()
     return ((lockstep.rounds << 30) + lockstep.now) * 1000

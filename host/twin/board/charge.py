@@ -1,0 +1,543 @@
+"""Charges what computing takes on the ESP32 to the simulated board's clock, from outside the firmware.
+
+Public methods of the firmware's classes are replaced, when their module is imported, by the functions below. Each calls the method and adds its
+price: instructions for the call, for each of two counts of work (points, candidates, bytes), all whole numbers, so that every interpreter
+charges the same. What a method calls of another one in this list is that other's. Importing a module costs by the bytes of its .mpy, reading a
+file by its bytes; a collection of garbage has one price. The prices are in prices.py, which the bench fits to executed instructions and checks.
+
+What has gathered passes on the clock as soon as the firmware asks for the time or touches the board: `settle()`, called by time.py and machine.py.
+
+The functions take what the methods take, position by position, and allocate nothing. Whoever renames such a method renames it here.
+"""
+
+import builtins
+import os
+import sys
+
+
+import lockstep
+import prices
+from micropython import const
+
+# What the board counts by itself.
+taken_in = 0  # bytes that UARTs have handed to the firmware
+given_out = 0  # bytes that it has given to UARTs
+
+pending = 0  # instructions not yet on the clock
+_per_us = 0  # instructions in a microsecond; 0 = computing takes no time
+_percent = 0
+_cpi = const(2)  # cycles an instruction: viper 1.3-2, the bytecode interpreter 2-2.5
+
+_LONG_US = const(100_000_000)
+_FIFO = const(128)  # bytes of the USB serial line
+_TICK_US = const(10_000)  # a write that meets a full one sleeps to the next tick of the system
+_fifo = 0  # bytes in it
+_fifo_us = 0  # at this time
+
+_originals = []
+_wrapped = {}  # module: [(class or "", method, number)]
+_names = []
+_sizes = {}
+_import = builtins.__import__
+_tested = 0
+_checked = 1  # points of the collision check that is prepared
+_stride = 1
+_sealed = 0  # bytes of the frame made last
+
+
+def settle():
+    """What has been computed passes on the clock."""
+    global pending
+    if pending >= _per_us > 0:
+        us = pending // _per_us
+        pending -= us * _per_us
+        while us > _LONG_US:
+            lockstep.advance(_LONG_US)
+            us -= _LONG_US
+        lockstep.advance(us)
+
+
+def clock(hertz):
+    """The processor's clock is set, Hz."""
+    global _per_us
+    settle()
+    if _percent:
+        _per_us = max(hertz // 1_000_000 * _percent // (100 * _cpi), 1)
+
+
+def add(instructions):
+    """Charge some instructions."""
+    global pending
+    pending += instructions
+    if pending > 0x10000000:
+        settle()
+
+
+def enter():
+    """A charged method begins; the bench puts a function of its own here, and for `leave`."""
+
+
+def leave(number, a, b):
+    """Charged method `number` has ended, and done so much of its two kinds of work."""
+    global pending
+    price = _prices[number]
+    pending += price[0] + (a * price[1] + b * price[2] >> 4)
+
+
+def load(path):
+    """Begin, if the twin has left a file that says how fast the chip is."""
+    import json
+
+    try:
+        with open(path) as file:
+            chip = json.load(file)
+    except OSError:
+        return
+    begin(chip["percent"], chip["sizes"])
+
+
+def begin(percent, sizes):
+    """From now on computing takes time. percent: the chip's speed, 100 = an ESP32. sizes: {module of the firmware: bytes of its .mpy on the board}."""
+    global _percent, _sizes
+    _percent = percent
+    _sizes = sizes
+    clock(160_000_000)
+    builtins.__import__ = _importing
+
+
+# ---- imports
+
+
+def _importing(name, space=None, local=None, wanted=None, level=0):
+    """`import name`, charged and with the module's methods replaced when it is one of the firmware's that has not been loaded."""
+    if name == "gc":
+        return _Collector
+    for part in wanted or ():
+        if name + "." + part in _sizes:
+            _importing(name + "." + part, space, local, (part,), 0)
+    if name not in _sizes or name in sys.modules:
+        return _import(name, space, local, wanted, level)
+    module = _import(name, space, local, wanted, level)
+    size = _sizes[name]
+    add(prices.IMPORT + size * prices.IMPORT_BYTE)
+    settle()
+    if name in _wrapped:
+        _replace(name, sys.modules[name])
+    if name == "core.unload" and sys.implementation.name != "micropython":
+        sys.modules[name].unload = _unload
+    return module
+
+
+def _unload(*names):
+    """As core.unload does on the board: under CPython it lets nothing go, and what is wanted again would cost no time."""
+    for name in names:
+        sys.modules.pop(name, None)
+    _collect()
+
+
+def _replace(name, module):
+    for place, methods, number in _wrapped[name]:
+        owner = getattr(module, place, None) if place else module
+        for method in methods.split("|"):
+            original = getattr(owner, method, None)
+            if original is not None:
+                break
+        else:
+            raise AttributeError("charge.py wraps %s, which is gone" % _names[number])
+        _originals[number] = original
+        setattr(owner, method, _functions[number])
+
+
+class _Collector:
+    """Stands in for the module gc."""
+
+    import gc as _gc
+
+    enable = _gc.enable
+    disable = _gc.disable
+    isenabled = _gc.isenabled
+    threshold = getattr(_gc, "threshold", None)
+    _collect = _gc.collect
+    _mem_alloc = getattr(_gc, "mem_alloc", None)
+    _mem_free = getattr(_gc, "mem_free", None)
+
+
+def _collect():
+    add(prices.COLLECT)
+    settle()
+    return _Collector._collect()
+
+
+def _mem_alloc():
+    add(prices.COLLECT)
+    return _Collector._mem_alloc()
+
+
+def _mem_free():
+    add(prices.COLLECT)
+    return _Collector._mem_free()
+
+
+_Collector.collect = _collect
+_Collector.mem_alloc = _mem_alloc
+_Collector.mem_free = _mem_free
+
+
+# ---- the firmware's methods
+
+_functions = []
+_prices = []
+
+
+def _wraps(number, name):
+    """The function that follows stands for a method: "module:Class.method" or "module:function"; of several names, a|b, the one there is."""
+    module, _, path = name.partition(":")
+    place, _, method = path.rpartition(".")
+    _wrapped.setdefault(module, []).append((place, method, number))
+    if number != len(_names):
+        raise ValueError("number of " + name)
+    _names.append(name)
+    _originals.append(None)
+    _prices.append(prices.OF.get(name, (0, 0, 0)))
+
+    def keep(function):
+        _functions.append(function)
+        return function
+
+    return keep
+
+
+_LOAD = const(0)
+_AVOID = const(1)
+_DRIVE = const(2)
+_STEP = const(3)
+_ADVANCE = const(4)
+_POLL = const(5)
+_INSERT = const(6)
+_VIEW = const(7)
+_SORT = const(8)
+_FRAME = const(9)
+_GUARD = const(10)
+_DECIDE = const(11)
+_OBSERVE = const(12)
+_PREPARE = const(13)
+_CHECK = const(14)
+_SCORE = const(15)
+_BOUNDS = const(16)
+_BEST_FIRST = const(17)
+_CHOOSE_FIRST = const(18)
+_TRY_SECOND = const(19)
+_FOLLOW = const(20)
+_COST_TO_GO = const(21)
+_COMMAND = const(22)
+_UPDATE = const(23)
+_STOP = const(24)
+_SOLVE = const(25)
+_OUTPUTS = const(26)
+_HEALTH = const(27)
+_LINK_FRAME = const(28)
+_LINK = const(29)
+_SEAL = const(30)
+_LINE = const(31)
+_TAKE = const(32)
+_SCREEN = const(33)
+
+
+@_wraps(_LOAD, "params.config:load")
+def _load(path="robot.json"):
+    enter()
+    out = _originals[_LOAD](path)
+    leave(_LOAD, 1, 0)
+    settle()
+    return out
+
+
+@_wraps(_AVOID, "avoid:Avoid.__init__")
+def _make_avoid(self, config):
+    enter()
+    out = _originals[_AVOID](self, config)
+    leave(_AVOID, 1, 0)
+    try:
+        add(os.stat("tables.bin")[6] * prices.FILE_BYTE)
+    except OSError:
+        pass  # there are none: they have been made
+    settle()
+    return out
+
+
+@_wraps(_DRIVE, "actuation.drive:Drive.__init__")
+def _make_drive(self, steering, servo_chip, motor_left, motor_right, output_enable, config):
+    enter()
+    _originals[_DRIVE](self, steering, servo_chip, motor_left, motor_right, output_enable, config)
+    leave(_DRIVE, 1, 0)
+    settle()
+
+
+@_wraps(_STEP, "robot:Robot.step")
+def _step(self):
+    enter()
+    out = _originals[_STEP](self)
+    leave(_STEP, 1 if out else 0, 0)
+    return out
+
+
+@_wraps(_ADVANCE, "perception.odometry:Odometry.advance")
+def _advance(self, now_us, drive):
+    enter()
+    before = self.now_us
+    _originals[_ADVANCE](self, now_us, drive)
+    leave(_ADVANCE, lockstep.since(self.now_us, before) // 10000 if before >= 0 else 0, 0)
+
+
+@_wraps(_POLL, "lidar:Lidar.poll")
+def _poll(self, now_us):
+    enter()
+    before = taken_in
+    out = _originals[_POLL](self, now_us)
+    leave(_POLL, taken_in - before, self.n if out else 0)
+    return out
+
+
+@_wraps(_INSERT, "perception.local_map:LocalMap.frame")
+def _insert(self, lidar, odometry):
+    enter()
+    _originals[_INSERT](self, lidar, odometry)
+    leave(_INSERT, lidar.n, self.count)
+
+
+@_wraps(_VIEW, "perception.local_map:LocalMap.view")
+def _view(self, x, y, heading, bx, by, reach):
+    enter()
+    out = _originals[_VIEW](self, x, y, heading, bx, by, reach)
+    leave(_VIEW, self.count, out)
+    return out
+
+
+@_wraps(_SORT, "perception.windows:Windows.sort")
+def _sort(self, px, py, n, band=-1000):
+    enter()
+    out = _originals[_SORT](self, px, py, n, band)
+    leave(_SORT, n, 0)
+    return out
+
+
+@_wraps(_FRAME, "avoid:Avoid.frame")
+def _frame(self, lidar, odometry):
+    enter()
+    _originals[_FRAME](self, lidar, odometry)
+    leave(_FRAME, 0, 0)
+
+
+@_wraps(_GUARD, "avoid:Avoid.guard")
+def _guard(self, odometry, speed):
+    enter()
+    out = _originals[_GUARD](self, odometry, speed)
+    leave(_GUARD, 1 if out else 0, 0)
+    return out
+
+
+@_wraps(_DECIDE, "avoid:Avoid.step|work")
+def _decide(self, odometry):
+    enter()
+    out = _originals[_DECIDE](self, odometry)
+    leave(_DECIDE, 1 if out else 0, 0)
+    return out
+
+
+@_wraps(_OBSERVE, "avoid:Avoid.observe|watch")
+def _observe(self, odometry, why, af, ar, v):
+    enter()
+    _originals[_OBSERVE](self, odometry, why, af, ar, v)
+    leave(_OBSERVE, 0, 0)
+
+
+@_wraps(_PREPARE, "planner.collision:CollisionCheck.prepare|aim")
+def _prepare(self, n, near, stride, floor):
+    global _checked, _stride
+    enter()
+    _originals[_PREPARE](self, n, near, stride, floor)
+    _checked = n
+    _stride = stride
+    leave(_PREPARE, 0, 0)
+
+
+@_wraps(_CHECK, "planner.collision:CollisionCheck.check|test")
+def _check(self, px, py, first, last, free, soft, block):
+    global _tested
+    enter()
+    _originals[_CHECK](self, px, py, first, last, free, soft, block)
+    count = (last - first + _stride - 1) // _stride
+    _tested += count
+    leave(_CHECK, count, count * _checked)
+
+
+@_wraps(_SCORE, "planner.move_cost:MoveCost.score")
+def _score(self, mirroring, free, soft, scores, first, last, stride, af, ar, extra):
+    enter()
+    out = _originals[_SCORE](self, mirroring, free, soft, scores, first, last, stride, af, ar, extra)
+    leave(_SCORE, (last - first + stride - 1) // stride, 0)
+    return out
+
+
+@_wraps(_BOUNDS, "planner.move_cost:MoveCost.lower_bound|promise")
+def _bounds(self, mirroring, free, swept, scores, first, af, ar):
+    enter()
+    out = _originals[_BOUNDS](self, mirroring, free, swept, scores, first, af, ar)
+    leave(_BOUNDS, out - first, 0)
+    return out
+
+
+@_wraps(_BEST_FIRST, "planner.move_cost:MoveCost.best_first|keep_promises")
+def _best_first(self, sweep, px, py, n, free, soft, block, swept, scores, most):
+    enter()
+    before = _tested
+    out = _originals[_BEST_FIRST](self, sweep, px, py, n, free, soft, block, swept, scores, most)
+    leave(_BEST_FIRST, _tested - before, 0)
+    return out
+
+
+@_wraps(_CHOOSE_FIRST, "planner.two_step:TwoStep.choose_first|pick")
+def _choose_first(self, scores):
+    enter()
+    out = _originals[_CHOOSE_FIRST](self, scores)
+    leave(_CHOOSE_FIRST, 0, 0)
+    return out
+
+
+@_wraps(_TRY_SECOND, "planner.two_step:TwoStep.try_second|expand")
+def _try_second(self, px, py, n, qx, qy, scores, free_of, limit):
+    enter()
+    out = _originals[_TRY_SECOND](self, px, py, n, qx, qy, scores, free_of, limit)
+    leave(_TRY_SECOND, n, 0)
+    return out
+
+
+@_wraps(_FOLLOW, "planner.cost_to_go:CostToGo.follow")
+def _follow(self, odometry):
+    enter()
+    _originals[_FOLLOW](self, odometry)
+    leave(_FOLLOW, 0, 0)
+
+
+@_wraps(_COST_TO_GO, "planner.cost_to_go:CostToGo.step|work")
+def _cost_to_go(self, odometry, points):
+    enter()
+    out = _originals[_COST_TO_GO](self, odometry, points)
+    leave(_COST_TO_GO, points.count, 1 if out else 0)
+    return out
+
+
+@_wraps(_COMMAND, "actuation.drive:Drive.command")
+def _command(self, af, ar, v):
+    enter()
+    out = _originals[_COMMAND](self, af, ar, v)
+    leave(_COMMAND, 0, 0)
+    return out
+
+
+@_wraps(_UPDATE, "actuation.drive:Drive.update")
+def _update(self, now_us):
+    enter()
+    out = _originals[_UPDATE](self, now_us)
+    leave(_UPDATE, 1 if out else 0, 0)
+    return out
+
+
+@_wraps(_STOP, "actuation.drive:Drive.stop")
+def _stop(self):
+    enter()
+    _originals[_STOP](self)
+    leave(_STOP, 0, 0)
+
+
+@_wraps(_SOLVE, "steering:Steering.solve")
+def _solve(self, af, ar):
+    enter()
+    out = _originals[_SOLVE](self, af, ar)
+    leave(_SOLVE, 0, 0)
+    return out
+
+
+@_wraps(_OUTPUTS, "actuation.outputs:Outputs.write")
+def _outputs(self, angles, shares, v256):
+    enter()
+    out = _originals[_OUTPUTS](self, angles, shares, v256)
+    leave(_OUTPUTS, 1 if v256 else 0, 0)
+    return out
+
+
+@_wraps(_HEALTH, "safety.health:Health.check")
+def _health(self, now_us):
+    enter()
+    out = _originals[_HEALTH](self, now_us)
+    leave(_HEALTH, 0, 0)
+    return out
+
+
+@_wraps(_LINK_FRAME, "link.link:Link.frame")
+def _link_frame(self, lidar):
+    enter()
+    _originals[_LINK_FRAME](self, lidar)
+    leave(_LINK_FRAME, lidar.n, 0)
+
+
+@_wraps(_LINK, "link.link:Link.update")
+def _link(self, now_us, robot):
+    global _sealed
+    enter()
+    _sealed = 0
+    _originals[_LINK](self, now_us, robot)
+    leave(_LINK, 1 if _sealed else 0, _sealed)
+
+
+@_wraps(_SEAL, "link.telemetry:Encoder.seal")
+def _seal(self, kind, length):
+    global _sealed
+    enter()
+    _sealed += length
+    out = _originals[_SEAL](self, kind, length)
+    leave(_SEAL, length, 0)
+    return out
+
+
+@_wraps(_LINE, "link.serial_line:SerialLine.update")
+def _line(self, now_us):
+    enter()
+    before = self.room()
+    _originals[_LINE](self, now_us)
+    written = self.room() - before
+    leave(_LINE, 1 if written else 0, written)
+    if written:
+        _write(written)
+
+
+@_wraps(_TAKE, "link.serial_line:SerialLine.take")
+def _take(self, now_us):
+    enter()
+    out = _originals[_TAKE](self, now_us)
+    leave(_TAKE, 1 if out else 0, 0)
+    return out
+
+
+@_wraps(_SCREEN, "link.screen:Screen.update")
+def _screen(self, now_us, robot, link):
+    enter()
+    before = given_out
+    _originals[_SCREEN](self, now_us, robot, link)
+    leave(_SCREEN, given_out - before, 0)
+
+
+def _write(count):
+    """The USB serial line gets bytes, 11.52 of which it sends in a millisecond; the rest waits in its FIFO, or the writer does."""
+    global _fifo, _fifo_us
+    if _per_us == 0:
+        return
+    settle()
+    _fifo += count
+    while True:
+        passed = min(max(lockstep.since(lockstep.now, _fifo_us), 0), 100_000)
+        _fifo = max(_fifo - passed * 1152 // 100_000, 0)
+        _fifo_us = lockstep.now
+        if _fifo <= _FIFO:
+            return
+        lockstep.advance(_TICK_US - lockstep.now % _TICK_US)
