@@ -28,7 +28,7 @@ from time import ticks_add, ticks_diff
 import micropython
 from micropython import const
 
-from core.crc16 import TABLE
+from core.crc16 import crc16
 
 _START = const(0xAA)
 _MEASUREMENT = const(0xAD)
@@ -60,41 +60,48 @@ _MOTOR_FULL = const(65535)
 _MOTOR_START = const(39322)  # 0.6, the duty that turns the usual unit at about its rated speed
 
 
-# Places in the array that the viper functions share with the class; none is ever negative.
+# Places in the array that the viper functions share with the class; none that they read is ever negative.
 _HEAD = const(0)  # store[head:tail] is not yet taken
 _TAIL = const(1)
 _FRESH = const(2)  # 1 while there may be a whole frame among it
-_SPEED = const(3)  # of the frame taken last: speed20
-_COUNT = const(4)  # its points,
-_POINTS = const(5)  # where they are in the store,
-_ANGLE = const(6)  # its start angle, 0.01 deg,
-_STEPS = const(7)  # frames from the one before to it by their angles, 0 while that is not known,
-_BEHIND = const(8)  # and bytes from its first to the last that has come
-_GOOD = const(9)  # measurement frames since the trust was lost, up to _TRUST_FRAMES
-_HEARD = const(10)  # 1 while frames of either kind come
-_RULE = const(11)
-_RULE_CANDIDATE = const(12)
-_RULE_PASSED = const(13)
-_PENDING = const(14)  # bytes left in the UART
-_BURST = const(15)  # bytes that came at once,
-_COUNTED = const(16)  # and those of them that an overflow is already counted for
-_ERRORS = const(17)
-_SKIPPED = const(18)
-_MISSED = const(19)
+_AT = const(3)  # the frame taken last: where it begins in the store,
+_PASSED = const(4)  # the rule that its check passed (0 for versions that know only one),
+_COUNT = const(5)  # its points,
+_POINTS = const(6)  # where they are in the store,
+_ANGLE = const(7)  # and its start angle, 0.01 deg
+_GOOD = const(8)  # measurement frames since the trust was lost, up to _TRUST_FRAMES
+_HEARD = const(9)  # 1 while frames of either kind come
+_RULE = const(10)
+_RULE_CANDIDATE = const(11)
+_RULE_PASSED = const(12)
+_PENDING = const(13)  # bytes left in the UART
+_BURST = const(14)  # bytes that came at once,
+_COUNTED = const(15)  # and those of them that an overflow is already counted for
+_ERRORS = const(16)
+_SKIPPED = const(17)
+_MISSED = const(18)
+_READ_US = const(19)  # when bytes were read last
+_HEARD_US = const(20)  # when the latest frame of either kind was
+_SILENT_US = const(21)  # how long a silence is suspicious
+_MOTOR_US = const(22)  # when its speed was looked at last
 # of the configuration
-_FRAMES = const(20)  # frames a revolution
-_WIDTH = const(21)  # of a frame, 0.01 deg
-_SECTOR = const(22)  # the same in the unit of the bearing sums
-_OFFSET = const(23)  # likewise
-_MIRRORED = const(24)
-_STATES = const(25)
+_FRAMES = const(23)  # frames a revolution
+_WIDTH = const(24)  # of a frame, 0.01 deg
+_SECTOR = const(25)  # the same in the unit of the bearing sums
+_OFFSET = const(26)  # likewise
+_MIRRORED = const(27)
+_TARGET = const(28)  # speed, 1/20 r/s
+_RXBUF = const(29)
+_BYTE_NS = const(30)  # ten bits on the wire
+_FRAME_US20 = const(31)  # duration of a frame at 1/20 r/s
+_STATES = const(32)
 
 
 @micropython.viper
 def _append(store: ptr8, state: ptr32, chunk: ptr8, count: int) -> int:
     """Put chunk[:count] behind what is in the store; 1 when the chunk was full, so that more may be pending.
 
-    Loops instead of slices, which would allocate; four bytes a turn, or the loop would cost more than the bytes.
+    Loops instead of slices, which would allocate.
     """
     head = state[_HEAD]
     tail = state[_TAIL]
@@ -106,18 +113,10 @@ def _append(store: ptr8, state: ptr32, chunk: ptr8, count: int) -> int:
         tail -= head
         state[_HEAD] = 0
     i = 0
-    while i < count - 3:
-        store[tail] = chunk[i]
-        store[tail + 1] = chunk[i + 1]
-        store[tail + 2] = chunk[i + 2]
-        store[tail + 3] = chunk[i + 3]
-        tail += 4
-        i += 4
     while i < count:
-        store[tail] = chunk[i]
-        tail += 1
+        store[tail + i] = chunk[i]
         i += 1
-    state[_TAIL] = tail
+    state[_TAIL] = tail + count
     state[_FRESH] = 1
     if count == _CHUNK:
         return 1
@@ -128,108 +127,50 @@ def _append(store: ptr8, state: ptr32, chunk: ptr8, count: int) -> int:
 
 
 @micropython.viper
-def _take(store: ptr8, state: ptr32) -> int:
-    """Take frames out of the store up to the next of use, which is described in the state.
+def _take(buffer, state: ptr32) -> int:
+    """Take the next frame whose check is right out of the store; its command, or 0 when no whole frame is left.
 
-    Returns _MEASUREMENT, _SPEED_FAULT, or 0 when no whole frame is left.
+    Byte by byte: what looks like a header may be none, and the start of a true frame may lie inside what looked like one.
     """
+    store = ptr8(buffer)
     at = state[_HEAD]
     tail = state[_TAIL]
-    skipped = 0
+    rule = state[_RULE]
     command = 0
     while command == 0 and at < tail:
-        if store[at] != _START:
+        if store[at] == _START:
+            if tail - at < _HEADER:
+                break  # a header that is not whole yet may be one
+            length = store[at + 2]
+            if length == store[at + 7] + 8 and length >= 9 and length <= _MAX_LENGTH and (store[at + 1] | store[at + 6]) == 0 and store[at + 4] == 0x61:
+                end = at + length
+                if end + 2 > tail:
+                    break
+                check = (store[end] << 8) | store[end + 1]
+                passed = 0
+                if store[at + 3] == 0 and rule != _RULE_SUM and int(crc16(buffer, at, end)) == check:
+                    passed = _RULE_CRC
+                elif store[at + 3] or rule != _RULE_CRC:
+                    total = 0
+                    i = at
+                    while i < end:
+                        total += store[i]
+                        i += 1
+                    if total & 0xFFFF == check:
+                        passed = _RULE_SUM
+                if passed:
+                    command = store[at + 5]
+                    state[_AT] = at
+                    state[_PASSED] = 0 if store[at + 3] else passed
+                    at = end + 2
+                else:
+                    state[_ERRORS] += 1
+                    if state[_GOOD] < _TRUST_FRAMES:
+                        state[_GOOD] = 0
+        if command == 0:
             at += 1
-            skipped += 1
-            continue
-        if tail - at < _HEADER:
-            break  # a header that is not whole yet may be one
-        length = store[at + 2]
-        if length != store[at + 7] + 8 or length < 9 or length > _MAX_LENGTH or store[at + 1] != 0 or store[at + 4] != 0x61 or store[at + 6] != 0:
-            at += 1
-            skipped += 1
-            continue
-        end = at + length
-        if end + 2 > tail:
-            break
-
-        check = (store[end] << 8) | store[end + 1]
-        rule = state[_RULE]
-        total = 0
-        passed = 0
-        i = at
-        if store[at + 3] or rule == _RULE_SUM:
-            while i < end - 3:
-                total += store[i] + store[i + 1] + store[i + 2] + store[i + 3]
-                i += 4
-            while i < end:
-                total += store[i]
-                i += 1
-            if total & 0xFFFF == check:
-                passed = _RULE_SUM
-        else:
-            table = ptr16(TABLE)
-            crc = 0xFFFF
-            while i < end:
-                value = store[i]
-                total += value
-                crc = crc ^ value
-                crc = (crc >> 4) ^ table[crc & 15]
-                crc = (crc >> 4) ^ table[crc & 15]
-                i += 1
-            if crc == check:
-                passed = _RULE_CRC
-            elif rule != _RULE_CRC and total & 0xFFFF == check:
-                passed = _RULE_SUM
-        if passed == 0:
-            # One byte only: the start of a true frame may lie inside what looked like one.
-            at += 1
-            skipped += 1
-            state[_ERRORS] += 1
-            if state[_GOOD] < _TRUST_FRAMES:
-                state[_GOOD] = 0
-            continue
-        if rule == 0 and store[at + 3] == 0:
-            if passed != state[_RULE_CANDIDATE]:
-                state[_RULE_CANDIDATE] = passed
-                state[_RULE_PASSED] = 0
-            state[_RULE_PASSED] += 1
-            if state[_RULE_PASSED] >= _RULE_PASSES:
-                state[_RULE] = passed
-
-        kind = store[at + 5]
-        if kind == _SPEED_FAULT:
-            command = kind
-        elif kind == _MEASUREMENT and length >= 13:
-            count = (length - 13) // 3
-            extra = length - 13 - 3 * count  # 2 when the end angle comes first, 1 when the length holds no whole number of points
-            if extra != 1:
-                command = kind
-                state[_COUNT] = count
-                state[_POINTS] = at + 13 + extra
-                state[_BEHIND] = tail - at + state[_PENDING]
-                angle = (store[at + 11] << 8) | store[at + 12]
-                if angle >= 36000:
-                    angle -= 36000
-                state[_STEPS] = 0
-                if state[_GOOD]:
-                    turned = angle - state[_ANGLE]
-                    if turned < 0:
-                        turned += 36000
-                    steps = (turned + (state[_WIDTH] >> 1)) // state[_WIDTH]
-                    if steps == 0:
-                        steps = state[_FRAMES]
-                    state[_MISSED] += steps - 1
-                    state[_STEPS] = steps
-                state[_ANGLE] = angle
-                if state[_GOOD] < _TRUST_FRAMES:
-                    state[_GOOD] += 1
-        if command:
-            state[_SPEED] = store[at + 8]
-            state[_HEARD] = 1
-        at = end + 2
+            state[_SKIPPED] += 1
     state[_HEAD] = at
-    state[_SKIPPED] += skipped
     if command == 0:
         state[_FRESH] = 0
     return command
@@ -304,8 +245,8 @@ class Lidar:
         self._motor = motor_pwm
 
         self.n = 0
-        self.bearings = array("H", [0] * _MAX_POINTS)
-        self.distances = array("H", [0] * _MAX_POINTS)
+        self.bearings = array("H", bytes(2 * _MAX_POINTS))
+        self.distances = array("H", bytes(2 * _MAX_POINTS))
         self.signals = bytearray(_MAX_POINTS)
         self.frame_us = 0
         self.ok = False
@@ -314,26 +255,21 @@ class Lidar:
         self.speed_faults = 0
         self.overflows = 0
 
-        self._target20 = config.lidar_speed20
-        self._rxbuf = config.lidar_rxbuf
-        self._byte_ns = 10_000_000_000 // config.lidar_baud  # ten bits a byte on the wire
-        self._frame_us20 = 20_000_000 // config.lidar_frames  # duration of a frame at 1/20 r/s
-        self._set_period(self._target20)
-
         self._store = bytearray(_STORE)
         self._chunk = bytearray(_CHUNK)
-        self._read_us = 0
-        self._heard_us = 0
-        self._state = state = array("i", [0] * _STATES)
+        self._state = state = array("i", bytes(4 * _STATES))
         state[_FRAMES] = config.lidar_frames
         state[_WIDTH] = 36000 // config.lidar_frames
         state[_SECTOR] = _TURN // config.lidar_frames
         state[_OFFSET] = (config.lidar_offset % 3600) << 17
         state[_MIRRORED] = 1 if config.lidar_mirrored else 0
-
-        self._motor_us = 0
+        state[_TARGET] = config.lidar_speed20
+        state[_RXBUF] = config.lidar_rxbuf
+        state[_BYTE_NS] = 10_000_000_000 // config.lidar_baud
+        state[_FRAME_US20] = 20_000_000 // config.lidar_frames
         self._motor_sum = 0
         self._duty = -1
+        self._set_period(config.lidar_speed20)
 
     @property
     def errors(self):
@@ -357,27 +293,31 @@ class Lidar:
         while True:
             if state[_FRESH]:
                 command = _take(store, state)
+                if state[_PASSED] and command and not state[_RULE]:
+                    self._learn_rule()
                 if command == _MEASUREMENT:
-                    self._measurement(state, store)
-                    return True
-                if command == _SPEED_FAULT:
+                    if self._measurement(state, store):
+                        return True
+                elif command == _SPEED_FAULT:
                     self.speed_faults += 1
-                    self.speed20 = state[_SPEED]
-                    self._heard_us = self._read_us
+                    self.speed20 = store[state[_AT] + _HEADER]
+                    state[_HEARD] = 1
+                    state[_HEARD_US] = state[_READ_US]
+                if command:
                     continue
             chunk = self._chunk
             count = self._uart.readinto(chunk)
             if not count:
                 break
-            self._read_us = now_us
+            state[_READ_US] = now_us
             if _append(store, state, chunk, count):
                 self._crowded()
         state[_BURST] = 0
         state[_COUNTED] = 0
-        if state[_GOOD] and ticks_diff(now_us, self.frame_us) > self._silent_us:
+        if state[_GOOD] and ticks_diff(now_us, self.frame_us) > state[_SILENT_US]:
             self.ok = False
             state[_GOOD] = 0
-        if self._motor is not None and ticks_diff(now_us, self._motor_us) >= _MOTOR_PERIOD_US:
+        if self._motor is not None and ticks_diff(now_us, state[_MOTOR_US]) >= _MOTOR_PERIOD_US:
             self._regulate(now_us)
         return False
 
@@ -387,12 +327,23 @@ class Lidar:
             self._duty = -1
             self._motor.duty_u16(0)
 
+    def _learn_rule(self):
+        """A frame of version 0 passed one of the rules: the one that passes several times in a row holds from then on."""
+        state = self._state
+        passed = state[_PASSED]
+        if passed != state[_RULE_CANDIDATE]:
+            state[_RULE_CANDIDATE] = passed
+            state[_RULE_PASSED] = 0
+        state[_RULE_PASSED] += 1
+        if state[_RULE_PASSED] >= _RULE_PASSES:
+            state[_RULE] = passed
+
     def _crowded(self):
         """A chunk was full: see what is left, and whether so much came at once that some was lost."""
         state = self._state
         pending = self._uart.any()
         burst = state[_BURST] + _CHUNK
-        if burst + pending >= self._rxbuf + state[_COUNTED]:
+        if burst + pending >= state[_RXBUF] + state[_COUNTED]:
             self.overflows += 1
             burst = 0
             state[_COUNTED] = pending
@@ -400,54 +351,68 @@ class Lidar:
         state[_BURST] = burst
 
     def _measurement(self, state, store):
-        """The measurement frame taken last: its time and its points.
+        """The measurement frame taken last: its time and its points. False if its length holds no whole number of points.
 
         The frame came no later than it was read, less the wire time of what came behind it; how much earlier is not seen. But
         frames follow one another at an even pace, so a frame that seems late against the pace was only read late.
         """
-        speed20 = state[_SPEED]
+        at = state[_AT]
+        size = store[at + 2] - _HEADER - 5
+        extra = size % 3  # 2 when the end angle comes first
+        if size < 0 or extra == 1:
+            return False
+        speed20 = store[at + _HEADER]
         if speed20 and speed20 != self.speed20:
             self.speed20 = speed20
             self._set_period(speed20)
-        read_us = self._read_us
-        frame_us = self.frame_us
-        wire = state[_BEHIND] * self._byte_ns // 1000
+        at += _HEADER + 5 + extra
+        state[_POINTS] = at
+        angle = ((store[at - extra - 2] << 8) | store[at - extra - 1]) % 36000
+        good = state[_GOOD]
+        read_us = state[_READ_US]
+        # From its first byte to the last that has come
+        wire = (state[_TAIL] - state[_AT] + state[_PENDING]) * state[_BYTE_NS] // 1000
         late = 0
-        if state[_STEPS]:
-            ahead = state[_STEPS] * self.period_us
-            late = ticks_diff(read_us, frame_us) - wire - ahead
+        if good:
+            # Frames from the one before to it, by their angles
+            steps = ((angle - state[_ANGLE]) % 36000 + (state[_WIDTH] >> 1)) // state[_WIDTH]
+            if steps == 0:
+                steps = state[_FRAMES]
+            state[_MISSED] += steps - 1
+            ahead = steps * self.period_us
+            late = ticks_diff(read_us, self.frame_us) - wire - ahead
         if 0 < late < _SILENT_MAX_US:
-            self.frame_us = ticks_add(frame_us, ahead + (late >> 4))
+            self.frame_us = ticks_add(self.frame_us, ahead + (late >> 4))
         else:
             self.frame_us = ticks_add(read_us, -wire)
-        self._heard_us = read_us
+        state[_ANGLE] = angle
+        state[_HEARD] = 1
+        state[_HEARD_US] = read_us
+        self.n = state[_COUNT] = size // 3
         _unpack(store, state, self.bearings, self.distances, self.signals)
-        self.n = state[_COUNT]
         self.frames += 1
-        if state[_GOOD] == _TRUST_FRAMES:
+        if good < _TRUST_FRAMES:
+            state[_GOOD] = good = good + 1
+        if good == _TRUST_FRAMES:
             self.ok = True
+        return True
 
     def _set_period(self, speed20):
         """Derive the duration of a frame from speed20 (1/20 r/s, > 0), and from that how long a silence is suspicious."""
-        period = self._frame_us20 // speed20
+        period = self._state[_FRAME_US20] // speed20
         self.period_us = period
-        silent = _SILENT_FRAMES * period
-        if silent < _SILENT_MIN_US:
-            silent = _SILENT_MIN_US
-        elif silent > _SILENT_MAX_US:
-            silent = _SILENT_MAX_US
-        self._silent_us = silent
+        self._state[_SILENT_US] = min(max(_SILENT_FRAMES * period, _SILENT_MIN_US), _SILENT_MAX_US)
 
     def _regulate(self, now_us):
         """One step of the motor's speed control (PI on the duty); the start duty while the speed is unknown."""
-        elapsed_ms = min(ticks_diff(now_us, self._motor_us) // 1000, 100)
-        self._motor_us = now_us
-        duty = _MOTOR_START
         state = self._state
-        if state[_HEARD] and ticks_diff(now_us, self._heard_us) > _SILENT_MAX_US:
+        elapsed_ms = min(ticks_diff(now_us, state[_MOTOR_US]) // 1000, 100)
+        state[_MOTOR_US] = now_us
+        duty = _MOTOR_START
+        if state[_HEARD] and ticks_diff(now_us, state[_HEARD_US]) > _SILENT_MAX_US:
             state[_HEARD] = 0
         if state[_HEARD]:
-            error = self._target20 - self.speed20
+            error = state[_TARGET] - self.speed20
             duty += error * _MOTOR_KP + self._motor_sum // _MOTOR_KI_MS
             # No integration into a stop, or the speed would overshoot by all that was gathered there.
             if not (duty >= _MOTOR_FULL and error > 0 or duty <= 0 and error < 0):
