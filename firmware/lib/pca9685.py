@@ -19,20 +19,19 @@ from micropython import const
 
 _MODE1 = const(0x00)
 _LED0 = const(0x06)  # ON_L, ON_H, OFF_L, OFF_H of each channel
-_ALL_LED = const(0xFA)
-_ALL_LED_OFF_H = const(0xFD)
 _PRE_SCALE = const(0xFE)  # taken only while the chip sleeps
 
 _SLEEP = const(0x10)
 _AUTO_INCREMENT = const(0x20)
-_TOTEM_POLE = const(0x04)  # MODE2: outputs change at STOP, and are low while output enable is high
 _FULL = const(0x10)  # bit 4 of ON_H: always on; of OFF_H: always off, which wins
 
 _OSCILLATOR_START_US = const(500)
 _ALL_CALL = const(0x70)
 
-
-_ALL_OFF = bytes((_ALL_LED_OFF_H, _FULL))
+_ASLEEP = const(b"\x00\x30\x04")  # MODE1: auto increment, sleep; MODE2: totem pole
+_AWAKE = const(b"\x00\x20")
+_CLEARED = const(b"\xfa\x00\x00\x00\x10")  # all channels off; also clears a restart left pending by the sleep
+_ALL_OFF = const(b"\xfd\x10")  # the last byte of that does it
 
 
 @micropython.viper
@@ -56,39 +55,30 @@ class PCA9685:
                 0 < count < 4096 is 0, 0 and the count; bit 4 of ON_H is always on, bit 4 of OFF_H always off, which wins.
 
     The bus is first touched by start(), so that an owner can name an absent chip and try again.
-    Every method that uses the bus raises OSError, with the address and the remedy, if the chip does not answer. None of them allocates.
+    Every method that uses the bus raises OSError, with the address and the remedy, if the chip does not answer; else none of them allocates.
     """
 
     def __init__(self, i2c, address=0x40, frequency=50, oscillator=25000000, channels=16):
         if not 0x40 <= address <= 0x7F or address == _ALL_CALL:
             raise ValueError("PCA9685 address must be 0x40 .. 0x7F and not 0x70 (answered by every chip), not 0x%02x" % address)
+        if not 1 <= channels <= 16:
+            raise ValueError("a PCA9685 has 1 .. 16 channels, not %r" % channels)
         self.address = address
         self.prescale = min(max((oscillator + 2048 * frequency) // (4096 * frequency) - 1, 3), 255)
         self._oscillator = oscillator
         self._i2c = i2c
-        self._absent = "PCA9685 at 0x%02x does not answer: check its power, SDA, SCL and address jumpers" % address
-        self.use(channels)
-        self._setup = (
-            bytes((_MODE1, _AUTO_INCREMENT | _SLEEP, _TOTEM_POLE)),
-            bytes((_PRE_SCALE, self.prescale)),
-            bytes((_ALL_LED, 0, 0, 0, _FULL)),  # also clears a restart left pending by the sleep
-            bytes((_MODE1, _AUTO_INCREMENT)),
-        )
-        self._byte = bytearray(1)
-
-    def use(self, channels):
-        """Send only the first `channels`, 1 .. 16, from now on: a burst takes 0.09 ms for each at 400 kHz. ValueError for another number."""
-        if not 1 <= channels <= 16:
-            raise ValueError("a PCA9685 has 1 .. 16 channels, not %r" % channels)
-        self.channels = channels
         self.image = bytearray(1 + 4 * channels)
         self.image[0] = _LED0
         _blank(self.image, len(self.image))
+        self._scale = bytes((_PRE_SCALE, self.prescale))
+        self._byte = bytearray(1)
 
     def start(self):
         """Set up the chip, whatever it did before, with every output off, in the image too."""
-        for registers in self._setup:
-            self._send(registers)
+        self._send(_ASLEEP)
+        self._send(self._scale)
+        self._send(_CLEARED)
+        self._send(_AWAKE)
         _blank(self.image, len(self.image))
         time.sleep_us(_OSCILLATOR_START_US)
 
@@ -99,17 +89,11 @@ class PCA9685:
 
     def write(self):
         """Send the image in one burst."""
-        try:
-            self._i2c.writeto(self.address, self.image)
-        except OSError:
-            raise OSError(self._absent)
+        self._send(self.image)
 
     def clear(self):
         """Every output off, now and in the image: one byte does it, a ninth of the time of a burst of ten channels."""
-        try:
-            self._i2c.writeto(self.address, _ALL_OFF)
-        except OSError:
-            raise OSError(self._absent)
+        self._send(_ALL_OFF)
         _blank(self.image, len(self.image))
 
     def check(self):
@@ -121,18 +105,21 @@ class PCA9685:
 
     def deinit(self):
         """Every output off, oscillator stopped."""
-        self._send(self._setup[2])
-        self._send(self._setup[0])
+        self._send(_CLEARED)
+        self._send(_ASLEEP)
 
     def _send(self, registers):
         try:
             self._i2c.writeto(self.address, registers)
         except OSError:
-            raise OSError(self._absent)
+            self._absent()
 
     def _read(self, register):
         try:
             self._i2c.readfrom_mem_into(self.address, register, self._byte)
         except OSError:
-            raise OSError(self._absent)
+            self._absent()
         return self._byte[0]
+
+    def _absent(self):
+        raise OSError("PCA9685 at 0x%02x does not answer: check its power, SDA, SCL and address jumpers" % self.address)

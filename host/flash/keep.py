@@ -43,7 +43,8 @@ def backups(board: str) -> list[Path]:
 def doubts(settings: bytes, default: bytes) -> str:
     """What is wrong with a kept robot.json, or missing beside the default one; empty if nothing. It is kept all the same."""
     compat.install()
-    from params.config import Config, ConfigError
+    from params.config import Config
+    from params.values import ConfigError
 
     stands = "the robot will not drive until it is corrected"
     try:

@@ -36,7 +36,7 @@ STATES = ("stopped", "auto", "manual")
 STATUSES = ("ok", "refused")
 FULL_V256 = 90 * 256
 _NOT_LOOKED_AT = 65535  # free length of such a candidate
-_KNOWN = {key: {"default": default, "unit": unit, "meaning": meaning} for key, _, default, _, _, unit, meaning in schema.LIVE}
+_KNOWN = {key: {"default": default, "unit": unit, "meaning": meaning} for key, _, default, _, _, unit, meaning in schema.rows(schema.LIVE)}
 
 
 def decode(kind: int, payload: bytes, full_speed: float = 1280.0) -> dict | None:

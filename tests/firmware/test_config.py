@@ -1,6 +1,9 @@
-"""config.py and schema.py: what robot.json may say, and what is answered to what it may not."""
+"""params/: what robot.json may say, and what is answered to what it may not."""
 
-from params.config import Config, ConfigError, load, parse
+from params import schema
+from params.change import change
+from params.config import Config
+from params.parse import load, read
 
 ROBOT_JSON = __file__.rsplit("/", 3)[0] + "/firmware/robot.json"
 
@@ -10,17 +13,17 @@ AXLES = " (8 axles at most: two wheels on each, 16 channels on a chip)"
 def _refusal(values):
     try:
         Config(values)
-    except ConfigError as error:
+    except ValueError as error:
         return str(error)
     return ""
 
 
 def _attributes(config):
-    return {name: value for name, value in config.__dict__.items() if name != "live"}
+    return dict(config.__dict__), dict(config.once)
 
 
 def test_an_empty_file_is_the_robot_of_the_papers():
-    config = parse("{}")
+    config = Config(read("{}"))
     assert config.axles == 5 and config.axles_spacings == (115, 150, 117, 115) and config.axles_first == 248.5
     assert (config.robot_length, config.robot_width, config.axles_track) == (600, 250, 230)
     assert (config.servos_address, config.motors_left, config.motors_right) == (0x40, 0x41, 0x42)
@@ -29,12 +32,10 @@ def test_an_empty_file_is_the_robot_of_the_papers():
 
 
 def test_the_file_on_the_board_says_every_default():
-    assert _attributes(load(ROBOT_JSON)) == _attributes(Config())
+    assert _attributes(Config(load(ROBOT_JSON))) == _attributes(Config())
     with open(ROBOT_JSON) as file:
         text = file.read()
-    from params import schema
-
-    for row in schema.BOOT + schema.LIVE:
+    for row in schema.rows(schema.BOOT + schema.LIVE):
         assert '"%s":' % row[0].split(".")[-1] in text, row[0]
 
 
@@ -45,7 +46,6 @@ def test_units_become_integers():
     assert config.battery_divider1000 == 3200
     assert list(config.servos_trims) == [5, -12] * 5
     assert list(config.servos_low) == [-750] * 10
-    assert config.get("lidar.speed") == 125 and config.get("lidar.offset") == -125
 
 
 def test_number_of_axles_follows_the_spacings():
@@ -102,8 +102,8 @@ def test_refusals_name_the_key_its_value_and_what_is_allowed():
 def test_text_that_is_no_json_is_refused_with_its_line():
     for text, line in (('{\n "mode": "AWS",\n "robot": {"length" 600 -}\n}', 3), ("", 1), ('{\n"lidar": {', 2), ('{"lidar": {\n\n"baud": x}}', 3)):
         try:
-            parse(text)
-        except ConfigError as error:
+            read(text)
+        except ValueError as error:
             assert "line %d " % line in str(error), (text, error)
         else:
             assert False, text
@@ -111,20 +111,20 @@ def test_text_that_is_no_json_is_refused_with_its_line():
 
 def test_tuning_is_checked_and_counted():
     config = Config()
-    config.set("avoid.margin", 20)
-    assert config.avoid_margin == 20 and config.get("avoid.margin") == 20 and config.changes == 1
+    change(config, "avoid.margin", 20)
+    assert config.avoid_margin == 20 and config.changes == 1
     for key, value, part in (
-        ("avoid.margin", 101, "avoid.margin = 101: a whole number 0 .. 100 mm is needed"),
+        ("avoid.margin", 101, "avoid.margin = 101: a whole number 0 .. 100 is needed"),
         ("avoid.margin", 1.5, "a whole number"),
         ("avoid.margin", "20", "a whole number"),
         ("avoid.margin", 41, "avoid.margin = 41: avoid.margin <= avoid.soft_margin must hold"),
         ("windows.blue", 10, "windows.blue = 10: windows.red <= windows.blue must hold"),
-        ("lidar.baud", 9600, "lidar.baud cannot change while the robot runs: edit robot.json and restart"),
-        ("nothing", 1, "nothing cannot change"),
+        ("lidar.baud", 9600, "lidar.baud = 9600: it cannot change while the robot runs: edit robot.json and restart"),
+        ("nothing", 1, "nothing = 1: it cannot change"),
     ):
         try:
-            config.set(key, value)
-        except ConfigError as error:
+            change(config, key, value)
+        except ValueError as error:
             assert part in str(error), error
         else:
             assert False, key
@@ -133,7 +133,7 @@ def test_tuning_is_checked_and_counted():
 
 def test_trims_can_be_tuned_one_by_one():
     config = Config()
-    config.set("servos.trims.3", -2.5)
+    change(config, "servos.trims.3", -2.5)
     assert list(config.servos_trims) == [0, 0, 0, -25, 0, 0, 0, 0, 0, 0] and config.changes == 1
     for key, value, part in (
         ("servos.trims.10", 0, "servos.trims.0 .. servos.trims.9"),
@@ -141,45 +141,31 @@ def test_trims_can_be_tuned_one_by_one():
         ("servos.trims.x", 0, "wheels"),
     ):
         try:
-            config.set(key, value)
-        except ConfigError as error:
+            change(config, key, value)
+        except ValueError as error:
             assert part in str(error), error
         else:
             assert False, key
 
 
-def test_tuning_by_number_allocates_nothing():
-    import micropython
-
+def test_after_the_start_only_the_loops_parameters_are_left():
     config = Config()
-    row = config.live.index("avoid_margin")
-    micropython.heap_lock()
+    config.once = None
+    assert config.motors_full_speed == 1280 and config.windows_blue == 45 and config.axles == 5
     try:
-        taken = config.tune(row, 25)
-        refused = config.tune(row, 101) or config.tune(row, 41) or config.tune(-1, 0) or config.tune(99, 0)
-    finally:
-        micropython.heap_unlock()
-    assert taken and not refused and config.avoid_margin == 25 and config.changes == 1
-
-
-def test_an_unknown_key_cannot_be_read():
-    try:
-        Config().get("lidar.colour")
-    except ConfigError as error:
-        assert "lidar.colour" in str(error)
-    else:
-        assert False
+        config.lidar_baud
+    except AttributeError:
+        return
+    assert False
 
 
 def test_every_row_is_complete_and_every_default_allowed():
-    from params import schema
-
-    keys = [row[0] for row in schema.BOOT + schema.LIVE]
+    keys = [row[0] for row in schema.rows(schema.BOOT + schema.LIVE)]
     assert len(set(keys)) == len(keys)
-    for row in schema.BOOT + schema.LIVE:
+    for row in schema.rows(schema.BOOT + schema.LIVE):
         assert len(row) == 7 and row[6] and row[6] == row[6].strip(), row
-    for row in schema.LIVE:
-        default = Config().get(row[0]) if row[2] is None else row[2]
+    for row in schema.rows(schema.LIVE):
+        default = getattr(Config(), row[0].replace(".", "_")) if row[2] is None else row[2]
         assert row[1] == "int" and type(default) is int and row[3] <= default <= row[4], row
 
 

@@ -7,6 +7,7 @@ import micropython
 from fake_chips import FakeBus, FakePin
 
 from actuation.drive import Drive
+from params.change import change
 from params.config import Config
 from pca9685 import PCA9685
 from steering import Steering
@@ -23,9 +24,9 @@ class _Robot:
         self.bus = FakeBus()
         self.enable = FakePin()
         chips = (
-            PCA9685(self.bus, config.servos_address, config.servos_frequency, config.servos_oscillator),
-            PCA9685(self.bus, config.motors_left, config.motors_frequency),
-            PCA9685(self.bus, config.motors_right, config.motors_frequency),
+            PCA9685(self.bus, config.servos_address, config.servos_frequency, config.servos_oscillator, max(config.servos_channels) + 1),
+            PCA9685(self.bus, config.motors_left, config.motors_frequency, channels=max(config.motors_channels) + 2),
+            PCA9685(self.bus, config.motors_right, config.motors_frequency, channels=max(config.motors_channels) + 2),
         )
         self.drive = Drive(Steering(config.axles_spacings, config.axles_track, config.axles_first), *chips, self.enable, config)
         self.now = start_us
@@ -125,7 +126,7 @@ def test_trims_directions_and_pulse_ranges_of_single_servos():
 
 def test_a_tuned_trim_counts_at_once():
     robot = _Robot().ready()
-    robot.config.set("servos.trims.4", 10)
+    change(robot.config, "servos.trims.4", 10)
     robot.step()
     assert abs(robot.angles()[4] - 10) < 0.25 and abs(robot.angles()[3]) < 0.25
 
@@ -431,25 +432,23 @@ def test_estimate_between_two_periods():
 
 def test_live_parameters_count_at_once():
     robot = _Robot().ready()
-    robot.config.set("servos.swing", 90)
-    robot.config.set("servos.rate", 100)
+    change(robot.config, "servos.swing", 90)
+    change(robot.config, "servos.rate", 100)
     robot.drive.command(300, 300, 108)
     robot.step()
     assert robot.drive.aim.af == 20 and not robot.drive.turning
 
 
-def test_unreachable_angles_are_reported_and_the_robot_stops():
+def test_at_angles_beyond_a_servos_limits_the_robot_stops_as_it_is_steered():
     robot = _Robot({"servos": {"high": [60] * 10}}).ready()
     assert robot.drive.command(300, -300, 108)
     robot.step(60)
     assert not robot.stands()
-    assert not robot.drive.reachable(600, -600) and robot.drive.reachable(300, -200)
     angles = robot.angles()
     assert robot.drive.command(600, -600, 108) is False
-    assert robot.drive.unreachable == 1
     robot.step()
     assert robot.stands() and robot.angles() == angles
-    assert robot.drive.command(300, -300, 108) and robot.drive.unreachable == -1
+    assert robot.drive.command(300, -300, 108)
     robot.step(2)
     assert not robot.stands()
     assert robot.drive.command(901, 0, 108) is False
@@ -650,7 +649,6 @@ def test_nothing_is_allocated_while_driving():
             if k % 100 == 99:
                 drive.stop()
             drive.update(now)
-            drive.reachable(k, -k)
             now = ticks_add(now, PERIOD_US)
             k += 1
     finally:

@@ -3,25 +3,15 @@
 import json
 import os
 
+from params.config import Config
 from params.settings import Settings
 
 PATH = "test_settings_robot.json"
 
 
-class Config:
-    def __init__(self, trims=(0, 0, 0, 0)):
-        self.values = {}
-        self.servos_trims = [trim * 10 for trim in trims]
-
-    def get(self, key):
-        return self.values.get(key, 15)
-
-    def set(self, key, value):
-        if value == 999:
-            raise ValueError("%s = 999: 0 .. 100 is needed" % key)
-        self.values[key] = value
-        if key.startswith("servos.trims."):
-            self.servos_trims[int(key[13:])] = round(value * 10)
+def make(trims=(0, 0, 0, 0)):
+    """Config of a robot with two axles."""
+    return Config({"axles": {"spacings": [200]}, "servos": {"trims": trims}})
 
 
 class Drive:
@@ -40,7 +30,7 @@ def keep(before, changes, trims=(0, 0, 0, 0)):
     with open(PATH, "w") as file:
         file.write(before)
     try:
-        settings = Settings(Config(trims), Drive(), PATH)
+        settings = Settings(make(trims), Drive(), PATH)
         for key, value in changes:
             settings.tune(key, value)
         settings.keep()
@@ -104,7 +94,7 @@ def test_a_file_that_is_no_longer_json_stays():
     for broken in ('{"avoid": {"margin": 15}', '{"avoid": {"margin" 15}}', "", '{"avoid": {"margin": "15}}'):
         with open(PATH, "w") as file:
             file.write(broken)
-        settings = Settings(Config(), Drive(), PATH)
+        settings = Settings(make(), Drive(), PATH)
         settings.tune("avoid.margin", 20)
         assert "not JSON" in refused(settings.keep)
         with open(PATH) as file:
@@ -113,25 +103,25 @@ def test_a_file_that_is_no_longer_json_stays():
 
 
 def test_a_refused_value_is_not_kept():
-    settings = Settings(Config(), Drive(), PATH)
+    settings = Settings(make(), Drive(), PATH)
     assert "0 .. 100" in refused(settings.tune, "avoid.margin", 999)
     assert settings._changed == {}
 
 
 def test_a_missing_file_is_said():
-    assert "cannot be written" in refused(Settings(Config(), Drive(), "missing/robot.json").keep)
+    assert "cannot be written" in refused(Settings(make(), Drive(), "missing/robot.json").keep)
 
 
 def test_pointing_needs_a_robot_that_stands():
     drive = Drive()
-    settings = Settings(Config(), drive, PATH)
+    settings = Settings(make(), drive, PATH)
     settings.point(0, 100)
     drive.stands = False
     assert "must stand" in refused(settings.point, 0, 100)
 
 
 def test_margins_count_from_the_next_start():
-    settings = Settings(Config(), Drive(), PATH)
+    settings = Settings(make(), Drive(), PATH)
     assert settings.tune("drive.cruise", 100) == ""
-    for key in ("avoid.margin", "avoid.soft_margin", "windows.look_ahead"):
-        assert "next start" in settings.tune(key, 20)
+    for key, value in (("avoid.margin", 5), ("avoid.soft_margin", 40), ("windows.look_ahead", 800)):
+        assert "next start" in settings.tune(key, value)

@@ -83,7 +83,7 @@ class Drive:
     v256            estimate of the speed of the fastest wheel, V - 90 in 1/256, mean of the servo period that has begun
     turning         the robot stands, or is stopping, because its wheels have to swing
     aim             Steering of the angles the servos were told last; like `steering` another object after an update(), so do not keep it
-    unreachable     wheel the last command would turn beyond its servo's limits, or -1
+    told_v256       likewise, what the motors were told last
     ok, fault       False, and why, while a chip does not answer: all outputs are off then
     """
 
@@ -103,9 +103,8 @@ class Drive:
         self.ar = 0
         self.v256 = 0
         self.turning = True
-        self.unreachable = -1
+        self.told_v256 = 0
         self._goal_v256 = 0
-        self._set_v256 = 0
         self._restarts = 0
         self._swinging = False  # the wheels were told to swing; turning without it: the robot still rolls
         self._delay = 0  # periods until the swing shows
@@ -125,21 +124,15 @@ class Drive:
     def fault(self):
         return self._outputs.fault
 
-    def reachable(self, af, ar):
-        """Whether all wheels can turn to (AF, AR), 0.1 deg."""
-        return self._trial.solve(af, ar) and self._trial.outside(self._low, self._high) < 0
-
     def command(self, af, ar, v):
         """Steer AF, AR (0.1 deg) and drive at V (0 .. 180, 90 stops). False, and the robot stops as it is steered, if a wheel cannot turn so far."""
         goal = self._goal
         if af != goal.af or ar != goal.ar:
             before_af, before_ar = goal.af, goal.ar
-            self.unreachable = goal.outside(self._low, self._high) if goal.solve(af, ar) else 0
-            if self.unreachable >= 0:
+            if not goal.solve(af, ar) or goal.outside(self._low, self._high) >= 0:
                 goal.solve(before_af, before_ar)
                 self._goal_v256 = 0
                 return False
-        self.unreachable = -1
         if v > 180:
             v = 180
         elif v < 0:
@@ -156,7 +149,7 @@ class Drive:
 
         False unless the robot stands. The wheel goes back among the others with the next command that moves anything.
         """
-        if self._goal_v256 or self._set_v256 or self.turning or not 0 <= wheel < self._wheels or not -900 <= angle <= 900:
+        if self._goal_v256 or self.told_v256 or self.turning or not 0 <= wheel < self._wheels or not -900 <= angle <= 900:
             return False
         if not self._pointing:
             self._pointing = True
@@ -167,9 +160,9 @@ class Drive:
 
     def stop(self):
         """Motors off now, not with the next update(); the wheels stay as they are. Costs nothing while the motors are off."""
-        if self._set_v256:
+        if self.told_v256:
             self._outputs.motors_off()
-            self._set_v256 = 0
+            self.told_v256 = 0
         self._goal_v256 = 0
 
     def off(self):
@@ -292,7 +285,7 @@ class Drive:
     def _accelerate(self):
         """The motors' next set point."""
         goal = self._goal_v256
-        speed = self._set_v256
+        speed = self.told_v256
         if goal == 0 or self.turning or not self._outputs.ok:
             speed = 0
         elif goal > 0 > speed or goal < 0 < speed:
@@ -305,14 +298,14 @@ class Drive:
             speed -= self._ramp
             if speed < goal:
                 speed = goal
-        self._set_v256 = speed
+        self.told_v256 = speed
         return speed
 
     def _doubt(self):
         """Each wheel may stand anywhere, at worst at the far end."""
         for k in range(self._wheels):
             self._positions[k] = 900 if self.aim.angles[k] < 0 else -900
-        self._set_v256 = 0
+        self.told_v256 = 0
         self._outputs.motors_off()
         self.turning = True
         self._swinging = True
@@ -328,7 +321,7 @@ class Drive:
             aim = self.aim
             af, ar = aim.af, aim.ar
         speed = self._speed
-        goal = self._set_v256 << 8
+        goal = self.told_v256 << 8
         gain = self._gain256
         before = speed
         while periods:

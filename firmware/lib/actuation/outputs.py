@@ -107,41 +107,27 @@ class Outputs:
         self.restarts = 0
         self._config = config
         self._chips = (servo_chip, motor_left, motor_right)
-        servo_chip.use(max(config.servos_channels) + 1)
-        motor_left.use(max(config.motors_channels) + 2)
-        motor_right.use(max(config.motors_channels) + 2)
         self._unsent = 0  # bit k: chip k holds other registers than its image
         self._rolling = False  # the motors were told to turn
         self._ticks_a_second = config.servos_frequency
-        self._third = config.servos_frequency // 3
         self._looked = -1  # third of a second in which a chip was looked at last
         self._tick = -1  # counts servo periods round a second; chips that failed are tried at 0
-        wheels = 2 * config.axles
-        self._lines = array("i", bytes(4 * (1 + 2 * wheels)))
-        self._wires = bytearray(1 + 2 * wheels)
-        self._lines[0] = self._wires[0] = wheels
-        for k in range(wheels):
-            one = 2 + 4 * config.motors_channels[k >> 1]
-            other = one + 4
-            if config.motors_directions[k] < 0:
-                one, other = other, one
-            self._wires[1 + 2 * k] = one
-            self._wires[2 + 2 * k] = other
+        from actuation.wiring import motor_wires, servo_lines
+
+        self._lines = servo_lines(config, servo_chip)
+        self._wires = motor_wires(config)
+        self._trims = array("h", bytes(4 * config.axles))  # those that the lines contain
         self.derive()
 
     def derive(self):
         """Take in live parameters that have changed."""
         config = self._config
-        chip = self._chips[0]
-        lines = self._lines
         self._dead = config.motors_dead_band * 4096 // 100
-        # Each wheel's count over its angle is a line with a centre and a slope.
-        for k in range(2 * config.axles):
-            first = chip.counts(config.servos_pulse_low[k], 32768)
-            last = chip.counts(config.servos_pulse_high[k], 32768)
-            slope = (last - first + 900) // 1800 * config.servos_directions[k]
-            lines[1 + 2 * k] = (first + last) // 2 + slope * config.servos_trims[k]
-            lines[2 + 2 * k] = (slope + 0x8000) << 6 | 3 + 4 * config.servos_channels[k]
+        lines = self._lines
+        for k in range(lines[0]):
+            more = config.servos_trims[k] - self._trims[k]
+            lines[1 + 2 * k] += ((lines[2 + 2 * k] >> 6) - 0x8000) * more
+            self._trims[k] += more
 
     def begin(self):
         """Set all chips up, every output still off. True if all answered."""
@@ -177,10 +163,11 @@ class Outputs:
                 self._rolling = False
                 left.clear()
                 right.clear()
-            look = tick // self._third
+            third = self._ticks_a_second // 3
+            look = tick // third
             if look != self._looked:
                 # A period in which all three chips are written is full without it: waits, if it can, for one that is not.
-                if changed | 1 << look != 7 or tick + 1 == (look + 1) * self._third:
+                if changed | 1 << look != 7 or tick + 1 == (look + 1) * third:
                     self._looked = look
                     changed |= self._check(look)
             if changed & 1:

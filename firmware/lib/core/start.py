@@ -5,12 +5,11 @@ back; machine code, which has to lie in a part of it; and the drivers of radio a
 """
 
 import gc
-import json
 
 import machine
 
 from core.unload import unload
-from params.config import ConfigError, load
+from params.config import Config
 
 _CLOCK = 240_000_000  # Hz; the board wakes up at 160 MHz, and all computing times hold for this
 
@@ -19,18 +18,20 @@ _MACHINE_CODE = ("link.telemetry", "actuation.drive", "pca9685", "lidar", "avoid
 
 
 def build(path="robot.json"):
-    """The Robot. In doubt nothing moves: what is wrong is printed on the USB line and raised (ConfigError, OSError)."""
+    """The Robot. In doubt nothing moves: what is wrong is printed on the USB line and raised (ValueError, OSError)."""
     try:
         return _build(path)
-    except (ConfigError, OSError) as error:
+    except (ValueError, OSError) as error:
         print("gapseeker: cannot start:", error)
         raise
 
 
 def _build(path):
     _clock()  # all the rest takes two thirds of the time then
-    enable = _silence(path)  # whatever the chips did before a restart: motors and servos are off while the rest is made
-    config = load(path)  # everything depends on it, and a mistake in it must be told before anything moves
+    values = _read(path)
+    enable = _silence(values)  # whatever the chips did before a restart: motors and servos are off while the rest is made
+    config = Config(values)  # everything depends on it, and a mistake in it must be told before anything moves
+    del values
     wlan, remark = _radio(config)  # its memory must be there before the heap grows; it joins the network meanwhile
     lidar_line, screen_line = _lines(config)  # the drivers' buffers come from the same memory
     for name in _MACHINE_CODE:  # likewise, and it is the largest part
@@ -42,6 +43,7 @@ def _build(path):
     drive = _drive(config, enable)
     link = _link(config, drive, wlan, remark)
     robot = _robot(config, avoid, drive, link, lidar_line, screen_line)
+    config.once = None
     unload("core.start", "core.version")
     return robot
 
@@ -53,19 +55,23 @@ def _clock():
             print("gapseeker: the processor runs at %d MHz instead of 240: decisions take longer" % (machine.freq() // 1_000_000))
 
 
-def _silence(path):
-    """The output enable pin, outputs off, or None; it is looked up before the file is checked, as that takes a while."""
+def _read(path):
+    from params.parse import load
+
+    return load(path)
+
+
+def _silence(values):
+    """The output enable pin, outputs off, or None. It is set before the file is checked, as that takes a while."""
     try:
-        with open(path) as file:
-            number = json.load(file)["pins"]["output_enable"]
-        return machine.Pin(number, machine.Pin.OUT, value=1)
-    except (ValueError, KeyError, TypeError, OSError):
-        return None  # whatever is wrong with it, the check will say
+        return machine.Pin(values["pins"]["output_enable"], machine.Pin.OUT, value=1)
+    except (ValueError, KeyError, TypeError):
+        return None  # there is none, it is left to the default, or it is wrong: the check will say
 
 
 def _radio(config):
     """(WLAN that joins by itself, None); (None, what went wrong); (None, None) without a radio."""
-    if not config.wifi_ssid:
+    if not config.once["wifi_ssid"]:
         return None, None
     from link.wifi import connect
 
@@ -76,11 +82,12 @@ def _radio(config):
 
 def _lines(config):
     """The UARTs of lidar and screen (or None)."""
+    once = config.once
     # timeout_char=1 spares an interrupt per byte
-    lidar = machine.UART(config.lidar_uart, config.lidar_baud, rx=config.lidar_rx, rxbuf=config.lidar_rxbuf, timeout=0, timeout_char=1)
+    lidar = machine.UART(once["lidar_uart"], once["lidar_baud"], rx=once["lidar_rx"], rxbuf=once["lidar_rxbuf"], timeout=0, timeout_char=1)
     screen = None
-    if config.screen_kind != "none":
-        screen = machine.UART(config.screen_uart, config.screen_baud, tx=config.screen_tx, rx=config.screen_rx, txbuf=256, timeout=0)
+    if once["screen_kind"] != "none":
+        screen = machine.UART(once["screen_uart"], once["screen_baud"], tx=once["screen_tx"], rx=once["screen_rx"], txbuf=256, timeout=0)
     return lidar, screen
 
 
@@ -90,14 +97,19 @@ def _drive(config, enable):
     from pca9685 import PCA9685
     from steering import Steering
 
+    once = config.once
     pin = machine.Pin
-    if enable is None and config.pins_output_enable is not None:
-        enable = pin(config.pins_output_enable, pin.OUT, value=1)
-    i2c = machine.I2C(config.i2c_bus, scl=pin(config.i2c_scl), sda=pin(config.i2c_sda), freq=config.i2c_frequency)
-    servos = PCA9685(i2c, config.servos_address, config.servos_frequency, config.servos_oscillator)
-    left = PCA9685(i2c, config.motors_left, config.motors_frequency, config.motors_oscillator)
-    right = PCA9685(i2c, config.motors_right, config.motors_frequency, config.motors_oscillator)
-    return Drive(Steering(config.axles_spacings, config.axles_track, config.axles_first), servos, left, right, enable, config)
+    if enable is None and once["pins_output_enable"] is not None:
+        enable = pin(once["pins_output_enable"], pin.OUT, value=1)
+    i2c = machine.I2C(once["i2c_bus"], scl=pin(once["i2c_scl"]), sda=pin(once["i2c_sda"]), freq=once["i2c_frequency"])
+    servo_channels = max(once["servos_channels"]) + 1
+    motor_channels = max(once["motors_channels"]) + 2
+    servos = PCA9685(i2c, once["servos_address"], once["servos_frequency"], once["servos_oscillator"], servo_channels)
+    left = PCA9685(i2c, once["motors_left"], once["motors_frequency"], once["motors_oscillator"], motor_channels)
+    right = PCA9685(i2c, once["motors_right"], once["motors_frequency"], once["motors_oscillator"], motor_channels)
+    drive = Drive(Steering(once["axles_spacings"], once["axles_track"], once["axles_first"]), servos, left, right, enable, config)
+    unload("actuation.wiring")
+    return drive
 
 
 def _link(config, drive, wlan, remark):
@@ -117,19 +129,20 @@ def _robot(config, avoid, drive, link, lidar_line, screen_line):
     from robot import Robot
     from safety.health import Health
 
+    once = config.once
     pin = machine.Pin
     motor = button = adc = screen = None
-    if config.lidar_motor_pin is not None:
-        motor = machine.PWM(pin(config.lidar_motor_pin), freq=config.lidar_motor_frequency, duty_u16=0)
+    if once["lidar_motor_pin"] is not None:
+        motor = machine.PWM(pin(once["lidar_motor_pin"]), freq=once["lidar_motor_frequency"], duty_u16=0)
     lidar = Lidar(lidar_line, motor, config)
-    if config.pins_stop_button is not None:
-        button = pin(config.pins_stop_button, pin.IN, pin.PULL_UP)
-    if config.pins_battery is not None:
-        adc = machine.ADC(pin(config.pins_battery))
+    if once["pins_stop_button"] is not None:
+        button = pin(once["pins_stop_button"], pin.IN, pin.PULL_UP)
+    if once["pins_battery"] is not None:
+        adc = machine.ADC(pin(once["pins_battery"]))
     health = Health(lidar, drive, button, adc, config)
     if screen_line is not None:
         from link.screen import Screen
 
-        screen = Screen(screen_line, config.screen_kind, config.screen_baud)
+        screen = Screen(screen_line, once["screen_kind"], once["screen_baud"])
         unload("link.reason_texts")
     return Robot(config, avoid, lidar, drive, health, link, screen)

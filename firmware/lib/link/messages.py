@@ -6,7 +6,6 @@ from struct import calcsize
 
 from link import telemetry
 from link.telemetry import HEADER, TIME_MASK, copy
-from params.config import key_of
 
 
 def parameters(config):
@@ -109,7 +108,7 @@ class Messages:
         live = len(config.live)
         if number < live:
             name = config.live[number]
-            key = key_of(name)
+            key = name.replace("_", ".", 1)
             low, high = config.limits[2 * number], config.limits[2 * number + 1]
             value = getattr(config, name)
         else:

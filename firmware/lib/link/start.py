@@ -14,7 +14,8 @@ _SESSION = const(8)  # auth.SESSION; that module is loaded only where there is a
 def start_link(config, settings, names, machine, wlan=None, remark=None):
     """Link over USB and, if robot.json names a network, over WiFi. Without it the radio is never touched.
 
-    names: see Messages; machine: the module; wlan, remark: of link.wifi.connect(). Commands over WiFi need the file network.key; without it they are all refused.
+    names: see Messages; machine: the module; wlan, remark: of link.wifi.connect(). Commands over WiFi need the file network.key; without it
+    they are all refused.
     """
     carriers = [SerialLine()]
     key = None
@@ -25,6 +26,7 @@ def start_link(config, settings, names, machine, wlan=None, remark=None):
         from link.radio import Datagrams
 
         carriers.append(Datagrams(wlan, socket, config.wifi_port))
+    if config.wifi_ssid:
         try:
             with open("network.key", "rb") as file:
                 key = file.read()

@@ -1,15 +1,27 @@
-"""robot.json -> the attributes of a `Config`. Every complaint names the key, its value and what is allowed."""
+"""robot.json -> the attributes of a `Config`. Every complaint names the key, its value and what is allowed.
+
+Needed at the start only. Keys are texts that go with it; names, as of functions and attributes, stay in the board's table of names for ever.
+"""
 
 import io
 import json
 from array import array
 
 from params import schema
-from params.config import ConfigError, attribute, key_of, number, refuse
+from params.values import ConfigError, attribute, disorder, key_of, number, refuse
+
+# What the loop asks for besides the live parameters
+STAY = ("servos_trims", "motors_full_speed", "battery_divider1000")
+
+
+def load(path="robot.json"):
+    """The values in the file. OSError if it cannot be read, ConfigError as in read()."""
+    with open(path) as file:
+        return read(file.read())
 
 
 def read(text):
-    """The values in the text of robot.json. ConfigError, with the line, where it is not JSON."""
+    """The values in the text of robot.json, nested dicts. ConfigError, with the line, where it is not JSON."""
     stream = io.StringIO(text)
     try:
         return json.load(stream)
@@ -21,35 +33,33 @@ def read(text):
 
 def fill(config, values):
     """Set every attribute of the config from the values (nested dicts) or the defaults."""
-    given = _flatten(values)
-    for row in schema.BOOT:
+    given = _flat(values)
+    once = config.once = {}
+    for row in schema.rows(schema.BOOT):
         key = row[0]
-        value = _checked(config, row, given.pop(key)) if key in given else _default(config, row)
-        setattr(config, attribute(key) + _scale(row)[1], value)
-        if key == "axles.spacings":
+        value = _value(config, row, given.pop(key)) if key in given else _default(config, row)
+        name = attribute(key) + _scale(row)[1]
+        if name in STAY:
+            setattr(config, name, value)
+        else:
+            once[name] = value
+        if row[1] == "spacings":
             config.axles = len(value) + 1
     live = []
     limits = []
-    for key, _, default, low, high, unit, _ in schema.LIVE:
+    for key, _, default, low, high, unit, _ in schema.rows(schema.LIVE):
         value = given.pop(key, default)
         if value is None and default is None:
-            value = _by_length(key, config.robot_length)
+            value = _by_length(key, once["robot_length"])
         setattr(config, attribute(key), number(key, value, low, high, unit, 1, False))
-        live.append(_shared(config, attribute(key)))
+        # The very text under which the attribute is kept: an equal one would take room beside it for good.
+        live += [name for name in config.__dict__ if name == attribute(key)]
         limits += low, high
     config.live = tuple(live)
     config.limits = array("h", limits)
-    config.units = tuple([row[5] for row in schema.LIVE])
     for key in given:
-        _unknown(key, given[key], schema.BOOT + schema.LIVE)
-    _check(config)
-
-
-def _shared(config, name):
-    """The very text under which the attribute is kept: an equal one would take room beside it for good."""
-    for one in config.__dict__:
-        if one == name:
-            return one
+        _unknown(key, given[key])
+    _together(config, once)
 
 
 def _scale(row):
@@ -59,7 +69,7 @@ def _scale(row):
 def _default(config, row):
     key, kind, value = row[:3]
     if value is not None:
-        return _checked(config, row, value)
+        return _value(config, row, value)
     if key == "axles.first":
         return sum(config.axles_spacings) / 2
     if kind == "pin":
@@ -79,13 +89,17 @@ def _length(config, kind):
     return config.axles if kind == "pairs" else 2 * config.axles
 
 
-def _checked(config, row, value):
+def _value(config, row, value):
     """The value of a row as the attribute holds it."""
     key, kind, _, low, high, unit, _ = row
     if kind in ("wheels", "signs", "pairs"):
         return _list(config, row, value)
     if kind == "spacings":
-        return _spacings(row, value, schema.MAX_AXLES)
+        most = schema.MAX_AXLES
+        if type(value) not in (list, tuple) or not 1 <= len(value) < most:
+            needed = "a list of 1 .. %d numbers is needed (%d axles at most: two wheels on each, 16 channels on a chip)"
+            refuse(key, value, needed % (most - 1, most))
+        return tuple([number(key, one, low, high, unit, 1, False) for one in value])
     if kind == "flag":
         if type(value) is not bool:
             refuse(key, value, "true or false is needed")
@@ -124,37 +138,53 @@ def _list(config, row, value):
     return array("h", [number(key, one, low, high, unit, _scale(row)[0], False) for one in value])
 
 
-def _check(config):
+def _address(row, value):
+    key, _, _, low, high, _, _ = row
+    address = value
+    if type(value) is str:
+        try:
+            address = int(value, 0)
+        except ValueError:
+            address = None
+    if type(address) is not int or not int(low, 0) <= address <= int(high, 0) or address == 0x70:
+        refuse(key, value, "an address %s .. %s but not 0x70 is needed" % (low, high))
+    return address
+
+
+def _together(config, once):
     """What no single value tells: whether they go together."""
-    if sum(config.axles_spacings) > config.robot_length:
-        refuse("axles.spacings", list(config.axles_spacings), "the sum must not exceed robot.length = %d mm" % config.robot_length)
-    if config.axles_track > config.robot_width:
-        refuse("axles.track", config.axles_track, "it must not exceed robot.width = %d mm" % config.robot_width)
-    _distinct("servos.channels", config.servos_channels, 1)
-    _distinct("motors.channels", config.motors_channels, 2)
-    chips = (("servos.address", config.servos_address), ("motors.left", config.motors_left), ("motors.right", config.motors_right))
+    spacings = once["axles_spacings"]
+    if sum(spacings) > once["robot_length"]:
+        refuse("axles.spacings", list(spacings), "the sum must not exceed robot.length = %d mm" % once["robot_length"])
+    if once["axles_track"] > once["robot_width"]:
+        refuse("axles.track", once["axles_track"], "it must not exceed robot.width = %d mm" % once["robot_width"])
+    _distinct("servos.channels", once["servos_channels"], 1)
+    _distinct("motors.channels", once["motors_channels"], 2)
+    chips = ("servos.address", "motors.left", "motors.right")
     for k in range(3):
-        for earlier in chips[:k]:
-            if earlier[1] == chips[k][1]:
-                refuse(chips[k][0], "0x%02x" % chips[k][1], "already the address of %s" % earlier[0])
-    names = ["lidar_rx", "lidar_motor_pin", "i2c_scl", "i2c_sda", "pins_output_enable", "pins_stop_button", "pins_battery"]
-    if config.screen_kind != "none":
-        names += ["screen_tx", "screen_rx"]
-        if config.screen_uart == config.lidar_uart:
-            refuse("screen.uart", config.screen_uart, "already the UART of the lidar")
+        address = once[attribute(chips[k])]
+        for other in chips[:k]:
+            if once[attribute(other)] == address:
+                refuse(chips[k], "0x%02x" % address, "already the address of %s" % other)
+    names = "lidar_rx lidar_motor_pin i2c_scl i2c_sda pins_output_enable pins_stop_button pins_battery"
+    if once["screen_kind"] != "none":
+        names += " screen_tx screen_rx"
+        if once["screen_uart"] == once["lidar_uart"]:
+            refuse("screen.uart", once["screen_uart"], "already the UART of the lidar")
     owners = {}
-    for name in names:
-        pin = getattr(config, name)
+    for name in names.split(" "):
+        pin = once[name]
         if pin is not None and pin in owners:
             refuse(key_of(name), pin, "already the pin of %s" % key_of(owners[pin]))
         owners[pin] = name
-    disorder = config.disorder()
-    if disorder:
-        low, high = disorder
+    pair = disorder(config)
+    if pair:
+        low, high = pair
         refuse(key_of(low), getattr(config, low), "it must not exceed %s = %d" % (key_of(high), getattr(config, high)))
 
 
-def _flatten(values):
+def _flat(values):
+    """{group: {name: value}} -> {"group.name": value}."""
     if type(values) is not dict:
         raise ConfigError("robot.json must hold one object, { ... }")
     flat = {}
@@ -167,39 +197,21 @@ def _flatten(values):
     return flat
 
 
-def _unknown(key, value, rows):
+def _unknown(key, value):
     group = key.split(".")[0]
-    names = [row[0].split(".")[-1] for row in rows if row[0].split(".")[0] == group]
+    groups = []
+    names = []
+    for row in schema.rows(schema.BOOT + schema.LIVE):
+        first, _, name = row[0].partition(".")
+        if first not in groups:
+            groups.append(first)
+        if first == group:
+            names.append(name)
     if not names:
-        names = []
-        for row in rows:
-            name = row[0].split(".")[0]
-            if name not in names:
-                names.append(name)
-        raise ConfigError("unknown key %s: robot.json has %s" % (group, ", ".join(names)))
+        raise ConfigError("unknown key %s: robot.json has %s" % (group, ", ".join(groups)))
     if key == group:
         refuse(key, value, "an object is needed, { ... }")
     raise ConfigError("unknown key %s: %s has %s" % (key, group, ", ".join(names)))
-
-
-def _spacings(row, value, most):
-    key, _, _, low, high, unit, _ = row
-    if type(value) not in (list, tuple) or not 1 <= len(value) < most:
-        refuse(key, value, "a list of 1 .. %d numbers is needed (%d axles at most: two wheels on each, 16 channels on a chip)" % (most - 1, most))
-    return tuple([number(key, one, low, high, unit, 1, False) for one in value])
-
-
-def _address(row, value):
-    key, _, _, low, high, _, _ = row
-    address = value
-    if type(value) is str:
-        try:
-            address = int(value, 0)
-        except ValueError:
-            address = None
-    if type(address) is not int or not low <= address <= high or address == 0x70:
-        refuse(key, value, "an address 0x%02x .. 0x%02x but not 0x70 is needed" % (low, high))
-    return address
 
 
 def _distinct(key, channels, width):

@@ -11,7 +11,7 @@ _LATER = ("avoid.margin", "avoid.soft_margin", "windows.look_ahead")
 class Settings:
     """Applies changes to a Config at once, and writes them to robot.json when asked.
 
-    config: has `set(key, value)`, which raises ValueError with a text, and `servos_trims`; drive: has `stop()` and `point(wheel, angle)`.
+    config: Config; drive: has `stop()` and `point(wheel, angle)`.
     path: the robot.json that the config was read from.
     """
 
@@ -26,7 +26,14 @@ class Settings:
 
         Returns what there is to say about it: margins and look-ahead count from the next start.
         """
-        self._config.set(key, value)
+        self._drive.stop()  # loading the code for it takes longer than a turn of the loop may
+        try:
+            from params.change import change
+
+            change(self._config, key, value)
+        finally:
+            change = None
+            unload("params.change", "params.values")
         self._changed[key] = value
         return "counts from the next start: keep it, then restart" if key in _LATER else ""
 
@@ -38,7 +45,7 @@ class Settings:
     def keep(self):
         """Write what was changed to robot.json; everything else in it stays. ValueError if that fails: the old file is whole then.
 
-        The robot stands while the flash memory is written.
+        The robot stands meanwhile.
         """
         self._drive.stop()
         changed = {}

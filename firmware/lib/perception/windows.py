@@ -99,18 +99,18 @@ class Windows:
         self.window = bytearray(capacity)
         self.near = 0
         self.urgent = NONE
-        self._size = array("i", [0] * 9)
+        self._size = size = array("i", [0] * 9)
+        size[0] = config.robot_width // 2
+        size[1] = config.robot_length // 2
+        size[5] = config.windows_look_ahead  # counts from the next start, like the planner's tables
         self.configure(config)
 
     def configure(self, config):
         """Take over margins that may have been tuned."""
         size = self._size
-        size[0] = config.robot_width // 2
-        size[1] = config.robot_length // 2
         size[2] = config.windows_red
         size[3] = config.windows_blue
         size[4] = config.windows_side
-        size[5] = config.windows_look_ahead
 
     def sort(self, px, py, n, band=-1000):
         """Classify n points (body frame, mm + 8192), those nearer than band mm to the outline first. Returns `urgent`."""

@@ -63,7 +63,7 @@ class Watch:
 
     def after_guard(self, value, out, waited):
         # A robot whose motors are off already, though it may still roll, has nothing to answer with.
-        log.write(GUARD, value, 1 if out is True and self.robot.drive._set_v256 else 0)
+        log.write(GUARD, value, 1 if out is True and self.robot.drive.told_v256 else 0)
 
     def after_work(self, value, out, waited):
         avoid = self.robot.avoid
@@ -101,12 +101,16 @@ class Stopwatch(Watch):
         import paper
         import plain
 
-        iteration = paper.Planner(robot.config)
+        from params.config import Config
+        from params.parse import load
+
+        config = Config(load("robot.json"))  # the running robot keeps only what its loop asks for
+        iteration = paper.Planner(config)
         # Of what the baseline makes again: of how many, how many, and which it is now.
         self.baselines = (
             (PAPER, iteration, False, decisions, paper_count, [0]),
             (PAPER_FULL, iteration, True, full, paper_count, [0]),
-            (PLAIN, plain.Planner(robot.config, robot.avoid.candidates), True, full, plain_count, [0]),
+            (PLAIN, plain.Planner(config, robot.avoid.candidates), True, full, plain_count, [0]),
         )
         self.clock = clock
         self.now = clock.ticks_us
