@@ -35,7 +35,7 @@ def test_the_file_on_the_board_says_every_default():
     assert _attributes(Config(load(ROBOT_JSON))) == _attributes(Config())
     with open(ROBOT_JSON) as file:
         text = file.read()
-    for row in schema.rows(schema.BOOT + schema.LIVE):
+    for row in schema.rows(schema.BOOT, schema.LIVE):
         assert '"%s":' % row[0].split(".")[-1] in text, row[0]
 
 
@@ -160,9 +160,9 @@ def test_after_the_start_only_the_loops_parameters_are_left():
 
 
 def test_every_row_is_complete_and_every_default_allowed():
-    keys = [row[0] for row in schema.rows(schema.BOOT + schema.LIVE)]
+    keys = [row[0] for row in schema.rows(schema.BOOT, schema.LIVE)]
     assert len(set(keys)) == len(keys)
-    for row in schema.rows(schema.BOOT + schema.LIVE):
+    for row in schema.rows(schema.BOOT, schema.LIVE):
         assert len(row) == 7 and row[6] and row[6] == row[6].strip(), row
     for row in schema.rows(schema.LIVE):
         default = getattr(Config(), row[0].replace(".", "_")) if row[2] is None else row[2]

@@ -27,6 +27,9 @@ def build(path="robot.json"):
 
 
 def _build(path):
+    # Garbage between the things that stay would cut the heap to pieces, and make it grow before the others have had their part; a collection
+    # at every 2 kB, though, would take longer than the start itself.
+    gc.threshold(4096)
     _clock()  # all the rest takes two thirds of the time then
     values = _read(path)
     enable = _silence(values)  # whatever the chips did before a restart: motors and servos are off while the rest is made
@@ -36,7 +39,6 @@ def _build(path):
     lidar_line, screen_line = _lines(config)  # the drivers' buffers come from the same memory
     for name in _MACHINE_CODE:  # likewise, and it is the largest part
         __import__(name)
-    gc.collect()
     from avoid import Avoid
 
     avoid = Avoid(config)  # its tables are the largest objects: they come while the heap is still in one piece
@@ -45,6 +47,7 @@ def _build(path):
     robot = _robot(config, avoid, drive, link, lidar_line, screen_line)
     config.once = None
     unload("core.start", "core.version")
+    gc.threshold(-1)  # from now on the loop allocates nothing
     return robot
 
 

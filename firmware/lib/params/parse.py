@@ -201,7 +201,7 @@ def _unknown(key, value):
     group = key.split(".")[0]
     groups = []
     names = []
-    for row in schema.rows(schema.BOOT + schema.LIVE):
+    for row in schema.rows(schema.BOOT, schema.LIVE):
         first, _, name = row[0].partition(".")
         if first not in groups:
             groups.append(first)

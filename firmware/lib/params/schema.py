@@ -36,11 +36,14 @@ USB_PINS = (1, 3)
 FLASH_PINS = (6, 7, 8, 9, 10, 11)
 
 
-def rows(table):
-    """The rows of BOOT or LIVE, one after the other: lists of seven."""
-    for line in table.split("\n"):
-        if line:
-            yield json.loads(line)
+def rows(*tables):
+    """The rows of BOOT or LIVE or both, one after the other: lists of seven."""
+    for table in tables:
+        start = 1  # the first line is empty
+        while start < len(table):
+            end = table.index("\n", start)
+            yield json.loads(table[start:end])  # not all lines at once: the heap is to stay small
+            start = end + 1
 
 
 BOOT = """
