@@ -26,8 +26,8 @@ def _until(points, over, why=reasons.WAITING, config=_config):
     avoid = Avoid(config)
     memory = avoid.points
     for k, (x, y) in enumerate(points):
-        memory._fx[k] = 8 * x & 0xFFFF
-        memory._fy[k] = 8 * y & 0xFFFF
+        memory.x[k] = 8 * x & 0xFFFF
+        memory.y[k] = 8 * y & 0xFFFF
     memory._state[0] = len(points)
     avoid._ready = 100
     avoid.why = why

@@ -17,8 +17,8 @@ class _Points:
             for k in range(count + 1):
                 found.append((x0 + (x1 - x0) * k // count, y0 + (y1 - y0) * k // count))
         self.count = len(found)
-        self._fx = array("H", [8 * x & 0xFFFF for x, _ in found])
-        self._fy = array("H", [8 * y & 0xFFFF for _, y in found])
+        self.x = array("H", [8 * x & 0xFFFF for x, _ in found])
+        self.y = array("H", [8 * y & 0xFFFF for _, y in found])
 
 
 def _built(points, field=None, odometry=None):

@@ -12,6 +12,8 @@ noise out of a wall.
 
 Coordinates on the floor are 1/8 mm, modulo 2**16 (8.192 m): differences of two
 16-bit coordinates are right as long as the points lie within 4 m of each other.
+
+How old a point is counts in time and in travel, a byte each; no frame has to come for it, and none may be missed.
 """
 
 from array import array
@@ -27,36 +29,39 @@ _CROWDED = const(270)
 _HASH = const(512)
 _PROBES = const(8)  # places in the index where a cell may be named, one after the other
 _NONE = const(0xFFFF)
-_SHARE = const(8)  # one slot in so many is looked at on a frame for what changes slowly: distance, travel, room
 _HALF = const(0x8000)
-_KEPT = const(240)  # most units of travel that a point is kept: a byte tells 256 apart, and a slot has its turn after a few
+_BODY_ZERO = const(8192)  # added to coordinates of the body frame, mm, so that they are never negative
+
+# Bytes tell 256 times or travels apart. One slot in _SHARE is looked at on a frame for both, and held at the oldest: so none seems young again.
+_SHARE = const(8)
+_OLDEST = const(192)  # 3 s
+_LONGEST_US = const(114_688)  # 7 units of time: what passes at most from frame to frame, where the lidar was silent; 8 frames of it fit above
+_MOST_GONE = const(16)  # dropped on a frame: others are disproved again when the lidar comes round
+_KEPT = const(240)  # most units of travel that a point is kept
 
 # Odometry's step and the times are taken in 16 us, so that their products with displacements stay small.
 _STEP = const(625)
 _LATE_US = const(10_000)
 _LATEST_US = const(60_000)
 
-# Positions in the state buffer shared with the viper functions.
+# Positions in the state buffer shared with the viper functions; none is ever negative.
 _COUNT = const(0)
-_FRAME = const(1)
+_NOW = const(1)  # 2**14 us, modulo 2**8
 _TRAVEL = const(2)  # rolled, in units of 2**_UNIT mm, modulo 2**8
-_X0 = const(3)  # the lidar at the frame's first point and at its last: 1/8 mm modulo 2**16
-_Y0 = const(4)
-_X1 = const(5)
-_Y1 = const(6)
-_HEADING = const(7)  # at the first, 0.01 deg, 0..35999
-_TURN = const(8)  # from the first to the last, 0.01 deg + 36000
-_FAR = const(9)  # half side of the square remembered, 1/8 mm
-_CELL = const(10)  # floor cell, 1/8 mm
-_PER_CELL = const(11)  # 2**20 / cell
-_REACH = const(12)  # longest range taken, quarter mm
-_KEEP = const(13)  # such units rolled before an unseen point is given up
-_UNIT = const(14)
-_COARSE = const(15)  # farther than this, 1/8 mm, a cell is four
-_LIDAR_X = const(16)  # the lidar right of the body's centre and ahead of it, mm + 4096
-_LIDAR_Y = const(17)
-_CLOSE = const(18)  # shortest range taken, quarter mm
-_STATES = const(19)
+_FAR = const(3)  # half side of the square remembered, 1/8 mm
+_CELL = const(4)  # floor cell, 1/8 mm
+_REACH = const(5)  # longest range taken, quarter mm
+_CLOSE = const(6)  # shortest, likewise
+_COARSE = const(7)  # farther than this, 1/8 mm, a cell is four
+_KEEP = const(8)  # such units rolled before an unseen point is given up
+_UNIT = const(9)
+_REVOLUTION = const(10)  # units of time that the lidar takes for one and a half
+_DOZEN = const(11)  # and for a dozen
+_MIRRORED = const(12)  # 1 where bearings fall from point to point
+_X = const(13)  # the lidar at the frame's last point, 1/8 mm modulo 2**16
+_Y = const(14)
+_TIME = const(15)  # us modulo 2**22: _NOW with its fractions
+_STATES = const(16)
 
 
 _SQUARES = array("i")  # of ranges a quarter apart, mm**2
@@ -69,57 +74,20 @@ while _range < 8000:  # the memory of the longest body reaches 5300 mm
 
 
 @micropython.viper
-def _locate(state: ptr32, x: int, y: int, heading: int, step_x: int, step_y: int, turn: int, travel: int, late: int, span: int):
-    """Begin a frame: where the lidar was at its first and last point.
+def insert(
+    bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, fy: ptr16, seen: ptr8, travel: ptr8, index: ptr16,
+    x: int, y: int, h: int, step_x: int, step_y: int, step_h: int,
+):  # fmt: skip
+    """Put the points of one frame on the floor, each from where the body was then: the scan rolls while the robot moves.
 
-    x, y, heading: as of now, 1/256 mm and 0.001 deg. step_x, step_y, turn: its motion in 10 ms, in the body frame.
-    travel: rolled until now, 1/256 mm. late, span: time since the last point, and from the first to it, 16 us.
+    x, y, h: the lidar and its heading at the first point, 1/8 mm and 0.01 deg; step_x, step_y, step_h: from point to point; all in 2**-13.
     """
-    state[_FRAME] = (state[_FRAME] + 1) & 0xFFFF
-    state[_TRAVEL] = (travel >> (8 + state[_UNIT])) & 0xFF
-    s = int(sin14(heading // 100))
-    c = int(sin14(heading // 100 + 900))
-    # Displacement on the floor in one step, 1/256 mm; far below 2**14.
-    wx = (step_x * c + step_y * s) >> 14
-    wy = (step_y * c - step_x * s) >> 14
-    x -= wx * late // _STEP
-    y -= wy * late // _STEP
-    turned = turn * span // _STEP
-    # From the body's centre to the lidar on the floor; at the first point it was turned by so much less, 18 / 2**20 of a radian a unit.
-    px = state[_LIDAR_X] - 4096
-    py = state[_LIDAR_Y] - 4096
-    lx = (px * c + py * s) >> 11
-    ly = (py * c - px * s) >> 11
-    state[_X1] = ((x >> 5) + lx) & 0xFFFF
-    state[_Y1] = ((y >> 5) + ly) & 0xFFFF
-    state[_X0] = (((x - wx * span // _STEP) >> 5) + lx - (ly * turned * 18 >> 20)) & 0xFFFF
-    state[_Y0] = (((y - wy * span // _STEP) >> 5) + ly + (lx * turned * 18 >> 20)) & 0xFFFF
-    first = (heading - turn * late // _STEP - turned) // 10
-    while first < 0:
-        first += 36000
-    while first >= 36000:
-        first -= 36000
-    state[_HEADING] = first
-    state[_TURN] = turned // 10 + 36000
-
-
-@micropython.viper
-def insert(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
-    """Put the points of one frame on the floor, each from where the body was then: the scan rolls while the robot moves."""
     sine = ptr16(SIN)
-    # The body's pose from point to point in 2**-13 of its units, n of them more: so rounding down hits what a division would give.
-    x = (state[_X0] << 13) + n
-    y = (state[_Y0] << 13) + n
-    h = ((state[_HEADING] + 5) << 13) + n
-    step_x = (((((state[_X1] - state[_X0]) & 0xFFFF) ^ _HALF) - _HALF) << 13) // n
-    step_y = (((((state[_Y1] - state[_Y0]) & 0xFFFF) ^ _HALF) - _HALF) << 13) // n
-    step_h = ((state[_TURN] - 36000) << 13) // n
     size = state[_CELL]
-    per = state[_PER_CELL]
     reach = state[_REACH]
     close = state[_CLOSE]
     far8 = state[_FAR]
-    stamp = state[_FRAME]
+    now = state[_NOW]
     rolled = state[_TRAVEL]
     coarse = state[_COARSE]
     count = state[_COUNT]
@@ -152,19 +120,16 @@ def insert(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, f
             if s <= far8 and c <= far8 and s + far8 >= 0 and c + far8 >= 0:
                 px = ((x >> 13) + s) & 0xFFFF
                 py = ((y >> 13) + c) & 0xFFFF
-                # px // size and py // size: the product falls short by one at most
-                cx = ((px >> 2) * per) >> 18
-                if (cx + 1) * size <= px:
-                    cx += 1
-                cy = ((py >> 2) * per) >> 18
-                if (cy + 1) * size <= py:
-                    cy += 1
-                # The square remembered is 105 cells wide: rows and columns are told apart by 8 bits.
-                k = 255
+                # The cell: its corner, and its place in the index. The square remembered is 105 cells wide: 8 bits tell rows and columns apart.
+                k = 0
                 if s > coarse or c > coarse or s + coarse < 0 or c + coarse < 0:
-                    k = 254
-                key = ((cx & k) << 8) + (cy & k)
-                at = (key * 157 >> 5) & 511
+                    k = 1
+                side = size << k
+                cx = px // side
+                cy = py // side
+                at = (((((cx << k) & 255) << 8) + ((cy << k) & 255)) * 157 >> 5) & (_HASH - 1)
+                cx = cx * side
+                cy = cy * side
                 probes = _PROBES
                 free = at
                 k = index[at]
@@ -172,9 +137,9 @@ def insert(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, f
                     if k == _NONE:
                         if index[free] != _NONE:
                             free = at
-                    elif cell[k] == key:
+                    elif (fx[k] - cx) & 0xFFFF < side and (fy[k] - cy) & 0xFFFF < side:
                         break
-                    at = (at + 1) & 511
+                    at = (at + 1) & (_HASH - 1)
                     k = index[at]
                     probes -= 1
                 if probes:
@@ -190,15 +155,14 @@ def insert(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, f
                         ey = (ey + 8) >> 4
                     fx[k] = (fx[k] + ex) & 0xFFFF
                     fy[k] = (fy[k] + ey) & 0xFFFF
-                    frame[k] = stamp
+                    seen[k] = now
                     travel[k] = rolled
                 elif count < _CAPACITY:
                     if index[free] == _NONE:
                         index[free] = count
-                    cell[count] = key
                     fx[count] = px
                     fy[count] = py
-                    frame[count] = stamp
+                    seen[count] = now
                     travel[count] = rolled
                     count += 1
         x += step_x
@@ -209,94 +173,42 @@ def insert(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, f
 
 
 @micropython.viper
-def clear_seen_past(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, fy: ptr16, cell: ptr16, frame: ptr16, travel: ptr8, index: ptr16):
-    """Drop what the frame disproves, what is too old and what is too far.
+def clear_seen_past(
+    distances: ptr16, n: int, state: ptr32, along: ptr16, across: ptr16, seen: ptr8, gone: ptr16,
+    s0: int, c0: int, s1: int, c1: int, pa: int, qa: int, flip: int,
+) -> int:  # fmt: skip
+    """Find the points that the frame disproves: their numbers to gone[:_MOST_GONE]. Returns how many.
+
+    along, across: the coordinates of the points along the way the sector looks (x or y, whichever comes nearer) and across it; pa, qa: the
+    lidar's; flip: 0xFFFF where it looks to smaller ones, else 0. s0, c0: inside the sector's first edge is where p s0 + q c0 >= 0, for p along
+    and q across from the lidar; s1, c1: likewise inside the last one; * 2**10.
 
     A point in the frame's sector is disproved when all beams that could have met it go more than a
     cell past it: all, for the tip of a corner is seen by few, and the body turns about it. One whose
-    surface is now in a neighbour cell goes after a revolution and a half. One behind something
+    surface is now in a neighbour cell goes when the lidar has come round for it in vain (a revolution and a half). One behind something
     nearer, or inside the blind disc, is kept until the robot has rolled `keep` mm: drift, not time,
     is what makes memory wrong.
+
+            first beam    last beam
+                  \\ u   v //            along: the coordinate in which the sector points; its sign settles half of the points
+                   \\  P //              u, v: how far P lies inside either edge; their ratio names the beam that looks at it
+                    \\ | //   across
+                     lidar ---->        P goes when the beams beside that one all end behind it
     """
-    sine = ptr16(SIN)
     squares = ptr32(_SQUARES)
     shares = ptr16(_SHARES)
-    s0 = 0
-    c0 = 0
-    s1 = 0
-    c1 = 0
-    k = 0
-    while k < 2:
-        a = (state[_HEADING] + state[_TURN] - 36000) // 10 + bearings[k * (n - 1)]
-        while a >= 3600:
-            a -= 3600
-        while a < 0:
-            a += 3600
-        # directions of the first and of the last beam, scaled 2**10
-        s0 = s1
-        c0 = c1
-        if a < 1800:
-            if a <= 900:
-                s1 = sine[a] >> 6
-                c1 = sine[900 - a] >> 6
-            else:
-                s1 = sine[1800 - a] >> 6
-                c1 = 0 - (sine[a - 900] >> 6)
-        else:
-            if a <= 2700:
-                s1 = 0 - (sine[a - 1800] >> 6)
-                c1 = 0 - (sine[2700 - a] >> 6)
-            else:
-                s1 = 0 - (sine[3600 - a] >> 6)
-                c1 = sine[a - 2700] >> 6
-        k += 1
-    mirrored = 0
-    if s1 * c0 < c1 * s0:
-        mirrored = 1
-        k = s0
-        s0 = s1
-        s1 = k
-        k = c0
-        c0 = c1
-        c1 = k
-    count = state[_COUNT]
-    stamp = state[_FRAME]
-    far8 = state[_FAR]
+    now = state[_NOW]
     margin = (state[_CELL] >> 3) + 20
-    patience = (_CAPACITY - count) * 4
-    # The coordinate along which the sector lies comes first: its sign settles half of the points.
-    along = fy
-    across = fx
-    pa = state[_Y1] - _HALF
-    qa = state[_X1] - _HALF
-    flip = 0
-    if c0 + c1 < 0:
-        flip = 0xFFFF
-    s0 = 0 - s0
-    c1 = 0 - c1
-    if (s1 - s0) * (s1 - s0) > (c0 - c1) * (c0 - c1):
-        along = fx
-        across = fy
-        k = pa
-        pa = qa
-        qa = k
-        flip = 0
-        if s1 - s0 < 0:
-            flip = 0xFFFF
-        k = s0
-        s0 = c0
-        c0 = k
-        k = s1
-        s1 = c1
-        c1 = k
+    count = state[_COUNT]
+    found = 0
+    pa -= _HALF
+    qa -= _HALF
     # Coordinates relative to the body are taken with 2**15 added: it is cheaper to take their share off the products.
     first = (s0 + c0) << 15
     last = (s1 + c1) << 15
-    due = stamp & (_SHARE - 1)
     k = 0
     while k < count:
         p = (along[k] - pa) & 0xFFFF
-        gone = 0
         if p ^ flip >= _HALF:
             # clockwise from the first beam and anticlockwise from the last: inside the sector
             q = (across[k] - qa) & 0xFFFF
@@ -305,16 +217,16 @@ def clear_seen_past(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx:
             if u >= 0:
                 v = p * s1 + q * c1 - last
             if v >= 0:
-                age = (stamp - frame[k]) & 0xFFFF
+                age = (now - seen[k]) & 0xFF
                 u >>= 6
                 v >>= 6
                 if age and u + v:
                     i = u * (n - 1) // (u + v)
-                    if mirrored:
+                    if state[_MIRRORED]:
                         i = n - 1 - i
                     # Nothing disproves it that is not farther than this in every beam, so most are done with the one in the middle.
                     beyond = 0 - margin
-                    if age > 24:
+                    if age > state[_REVOLUTION]:
                         beyond = margin + 40
                     d = distances[i]
                     reach = (d >> 2) + beyond
@@ -323,6 +235,7 @@ def clear_seen_past(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx:
                         ry = (q >> 3) - 4096
                         r2 = rx * rx + ry * ry
                         if r2 < reach * reach:
+                            disproved = 0
                             # The beams that could have met it: those within 20 mm of it, many where it is near.
                             m = 0
                             if r2 > squares[9]:
@@ -341,7 +254,7 @@ def clear_seen_past(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx:
                             if end > n:
                                 end = n
                                 clipped = 1
-                            if clipped == 0 or age > 200:
+                            if clipped == 0 or age > state[_DOZEN]:
                                 # Walls slope: the nearest beam and the farthest are mostly the first and the last.
                                 lo = distances[j]
                                 hi = distances[end - 1]
@@ -350,7 +263,7 @@ def clear_seen_past(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx:
                                     hi = distances[j]
                                 past = (lo >> 2) - margin
                                 if past > 0 and r2 < past * past:
-                                    gone = 1
+                                    disproved = 1
                                     m = j + 1
                                     while m < end:
                                         # two a turn, the last one perhaps again
@@ -360,10 +273,10 @@ def clear_seen_past(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx:
                                                 lo = distances[m - 1]
                                             past = (lo >> 2) - margin
                                             if past <= 0 or r2 >= past * past:
-                                                gone = 0
+                                                disproved = 0
                                                 m = end
                                         m += 2
-                                if gone == 0 and age > 24:
+                                if disproved == 0 and age > state[_REVOLUTION]:
                                     # one surface, and it is not where the point is
                                     while j < end and hi - lo < 160:
                                         d = distances[j]
@@ -374,105 +287,139 @@ def clear_seen_past(bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx:
                                         j += 1
                                     near = (hi >> 2) + margin
                                     if lo and hi - lo < 160 and r2 < near * near:
-                                        gone = 1
-        if k == due:
-            due += _SHARE
-            p -= _HALF
+                                        disproved = 1
+                            if disproved and found < _MOST_GONE:
+                                gone[found] = k
+                                found += 1
+        k += 1
+    return found
+
+
+@micropython.viper
+def drop(state: ptr32, fx: ptr16, fy: ptr16, seen: ptr8, travel: ptr8, index: ptr16, gone: ptr16, found: int, due: int):
+    """Take the points gone[:found] out of the memory (they rise), then of each _SHARE-th one up to `due` those too old or too far.
+
+    From the last to the first: the last point of all moves to the place of one that goes, and is one that stays.
+    """
+    now = state[_NOW]
+    far8 = state[_FAR]
+    size = state[_CELL]
+    x = state[_X] - _HALF
+    y = state[_Y] - _HALF
+    count = state[_COUNT]
+    patience = (_CAPACITY - count) * 5 >> 1
+    while found or due >= 0:
+        if found:
+            found -= 1
+            k = gone[found]
+        else:
+            k = due
+            due -= _SHARE
+            if k >= count:
+                continue
+            age = (now - seen[k]) & 0xFF
+            p = ((fx[k] - x) & 0xFFFF) - _HALF
             if p < 0:
                 p = 0 - p
-            q = ((across[k] - qa) & 0xFFFF) - _HALF
+            q = ((fy[k] - y) & 0xFFFF) - _HALF
             if q < 0:
                 q = 0 - q
             if p < q:
                 p = q
-            if p > far8 or (state[_TRAVEL] - travel[k]) & 0xFF >= state[_KEEP]:
-                gone = 1
-            elif count > _CROWDED and p > far8 * 3 >> 3 and (stamp - frame[k]) & 0xFFFF > patience:
+            if p <= far8 and (state[_TRAVEL] - travel[k]) & 0xFF < state[_KEEP]:
                 # Room runs out: what is out of sight and farther than two thirds of a body length goes first, or there would be none
                 # for what comes.
-                gone = 1
-        if gone:
-            at = (cell[k] * 157 >> 5) & 511
-            j = 0
-            while j < _PROBES:
-                if index[at] == k:
-                    index[at] = _NONE
-                    j = _PROBES
-                at = (at + 1) & 511
-                j += 1
-            # The last slot moves here.
-            count -= 1
-            at = (cell[count] * 157 >> 5) & 511
-            j = 0
-            while j < _PROBES:
-                if index[at] == count:
-                    index[at] = k
-                    j = _PROBES
-                at = (at + 1) & 511
-                j += 1
-            fx[k] = fx[count]
-            fy[k] = fy[count]
-            cell[k] = cell[count]
-            frame[k] = frame[count]
-            travel[k] = travel[count]
-        else:
-            k += 1
+                if count <= _CROWDED or p <= far8 * 3 >> 3 or age <= patience:
+                    if age > _OLDEST:
+                        seen[k] = (now - _OLDEST) & 0xFF
+                    continue
+        count -= 1
+        # In the index its name goes, and the last one takes on the place; which of both sizes of cell named them is not kept.
+        point = k
+        name = _NONE
+        while True:
+            mask = 255
+            while mask >= 254:
+                at = ((((fx[point] // size & mask) << 8) + (fy[point] // size & mask)) * 157 >> 5) & (_HASH - 1)
+                probes = _PROBES
+                while probes:
+                    if index[at] == point:
+                        index[at] = name
+                        probes = 1
+                        mask = 0
+                    at = (at + 1) & (_HASH - 1)
+                    probes -= 1
+                mask -= 1
+            if point == count:
+                break
+            point = count
+            name = k
+        fx[k] = fx[count]
+        fy[k] = fy[count]
+        seen[k] = seen[count]
+        travel[k] = travel[count]
     state[_COUNT] = count
 
 
 @micropython.viper
 def _view(state: ptr32, fx: ptr16, fy: ptr16, x: int, y: int, s: int, c: int, reach: int, bx: ptr16, by: ptr16) -> int:
     """Body-frame view of the points within reach: mm + 8192. Returns their number."""
-    count = state[0]
+    count = state[_COUNT]
     n = 0
     k = 0
     while k < count:
-        px = (((fx[k] - x) & 0xFFFF) ^ 0x8000) - 0x8000
-        py = (((fy[k] - y) & 0xFFFF) ^ 0x8000) - 0x8000
+        px = (((fx[k] - x) & 0xFFFF) ^ _HALF) - _HALF
+        py = (((fy[k] - y) & 0xFFFF) ^ _HALF) - _HALF
         # 1/8 mm * 2**14 -> mm, rounded
         qx = (px * c - py * s + 65536) >> 17
         qy = (px * s + py * c + 65536) >> 17
         if qx <= reach and qy <= reach and qx >= 0 - reach and qy >= 0 - reach:
-            bx[n] = qx + 8192
-            by[n] = qy + 8192
+            bx[n] = qx + _BODY_ZERO
+            by[n] = qy + _BODY_ZERO
             n += 1
         k += 1
     return n
 
 
 class LocalMap:
-    """The remembered points. `count` of them; `view()` gives them in the body frame."""
+    """The remembered points. `count` of them; `view()` gives them in the body frame.
+
+    x, y: array('H') of their coordinates on the floor, 1/8 mm modulo 2**16; the first `count` count.
+    keep: mm rolled before an unseen point is given up
+    """
 
     def __init__(self, config):
         length = config.robot_length
         far8 = min(length * 14, 30000)  # 1.75 body lengths to each side
-        size = length * 8 // 30
-        self.keep = 6 * length  # mm rolled before an unseen point is given up: lining up at a corner takes many short moves
-        self._fx = array("H", bytes(2 * _CAPACITY))
-        self._fy = array("H", bytes(2 * _CAPACITY))
-        self._cell = array("H", bytes(2 * _CAPACITY))
-        self._frame = array("H", bytes(2 * _CAPACITY))
+        self.keep = 6 * length  # lining up at a corner takes many short moves
+        self.x = array("H", bytes(2 * _CAPACITY))
+        self.y = array("H", bytes(2 * _CAPACITY))
+        self._seen = bytearray(_CAPACITY)
         self._travel = bytearray(_CAPACITY)
+        self._gone = array("H", bytes(2 * _MOST_GONE))
         self._index = array("H", b"\xff\xff" * _HASH)
-        self._state = state = array("i", [0] * _STATES)
+        self._lidar_x = config.lidar_x
+        self._lidar_y = config.lidar_y
+        self._frames = config.lidar_frames
+        self._frame_us = 0
+        self._period_us = 0
+        self._due = 0
+        self._state = state = array("i", bytes(4 * _STATES))
         state[_FAR] = far8
-        state[_CELL] = size
-        state[_PER_CELL] = (1 << 20) // size
+        state[_CELL] = length * 8 // 30
         state[_REACH] = min(far8 * 7 // 10, 4 * config.lidar_far, 32000)
         state[_CLOSE] = 4 * config.lidar_near
         while self.keep >> state[_UNIT] > _KEPT:
             state[_UNIT] += 1
         state[_KEEP] = self.keep >> state[_UNIT]
         state[_COARSE] = length * 8
-        state[_LIDAR_X] = config.lidar_x + 4096
-        state[_LIDAR_Y] = config.lidar_y + 4096
 
     @property
     def count(self):
         return self._state[_COUNT]
 
     def frame(self, lidar, odometry):
-        """Place one frame's points, measured while the body moved as odometry says.
+        """Place one frame's points, measured while the body moved as odometry says, and drop those that it disproves.
 
         The pose is known for about now; the last point was measured a little before (it had to come down the wire) and the
         first a frame earlier. Over that time the motion of the last step is taken to go on.
@@ -480,36 +427,88 @@ class LocalMap:
         n = lidar.n
         if n < 2:
             return
+        state = self._state
+        self._pass_time(lidar)
+        state[_TRAVEL] = (odometry.travel256 >> (8 + state[_UNIT])) & 0xFF
+        # The times since the last point and from the first to it, in 16 us.
         late = ticks_diff(odometry.now_us, lidar.frame_us)
         if not -_LATEST_US <= late <= _LATEST_US:
             late = _LATE_US
+        late >>= 4
+        span = lidar.period_us >> 4
+        heading = odometry.heading
+        s = sin14(heading // 100)
+        c = sin14(heading // 100 + 900)
+        # Displacement on the floor in one step of odometry, 1/256 mm; far below 2**14.
+        dx = (odometry.step_x * c + odometry.step_y * s) >> 14
+        dy = (odometry.step_y * c - odometry.step_x * s) >> 14
+        turned = odometry.step_heading * span // _STEP
+        # From the body's centre to the lidar on the floor; at the first point it was turned by so much less, 18 / 2**20 of a radian a unit.
+        lidar_x = (self._lidar_x * c + self._lidar_y * s) >> 11
+        lidar_y = (self._lidar_y * c - self._lidar_x * s) >> 11
+        x = odometry.x - dx * late // _STEP
+        y = odometry.y - dy * late // _STEP
+        state[_X] = x1 = ((x >> 5) + lidar_x) & 0xFFFF
+        state[_Y] = y1 = ((y >> 5) + lidar_y) & 0xFFFF
+        arc = turned * 18 >> 4
+        x = (((x - dx * span // _STEP) >> 5) + lidar_x - (lidar_y * arc >> 16)) & 0xFFFF
+        y = (((y - dy * span // _STEP) >> 5) + lidar_y + (lidar_x * arc >> 16)) & 0xFFFF
+        first = (heading - odometry.step_heading * late // _STEP - turned) // 10 % 36000
+        turned //= 10
+        # Steps from point to point in 2**-13, and n of these units to start with: so rounding down hits what a division would give.
+        insert(
+            lidar.bearings, lidar.distances, n, state, self.x, self.y, self._seen, self._travel, self._index,
+            (x << 13) + n, (y << 13) + n, ((first + 5) << 13) + n,
+            ((((x1 - x) & 0xFFFF ^ _HALF) - _HALF) << 13) // n, ((((y1 - y) & 0xFFFF ^ _HALF) - _HALF) << 13) // n, (turned << 13) // n,
+        )  # fmt: skip
+        self._clear(lidar, n, (first + turned) // 10)
+
+    def _pass_time(self, lidar):
+        """The clock of the memory goes on, for as long as frames come."""
         state = self._state
-        _locate(
-            state,
-            odometry.x,
-            odometry.y,
-            odometry.heading,
-            odometry.step_x,
-            odometry.step_y,
-            odometry.step_heading,
-            odometry.travel256,
-            late >> 4,
-            lidar.period_us >> 4,
-        )
-        bearings = lidar.bearings
-        distances = lidar.distances
-        fx = self._fx
-        fy = self._fy
-        cell = self._cell
-        frame = self._frame
-        travel = self._travel
-        index = self._index
-        insert(bearings, distances, n, state, fx, fy, cell, frame, travel, index)
-        clear_seen_past(bearings, distances, n, state, fx, fy, cell, frame, travel, index)
+        passed = ticks_diff(lidar.frame_us, self._frame_us)
+        self._frame_us = lidar.frame_us
+        if not 0 <= passed <= _LONGEST_US:
+            passed = _LONGEST_US
+        state[_TIME] = time = (state[_TIME] + passed) & 0x3FFFFF
+        state[_NOW] = time >> 14
+        if lidar.period_us != self._period_us:
+            self._period_us = lidar.period_us
+            revolution = self._frames * lidar.period_us
+            state[_REVOLUTION] = revolution * 3 >> 15
+            state[_DOZEN] = min(revolution * 12 >> 14, _OLDEST - 1)
+
+    def _clear(self, lidar, n, heading):
+        """Drop what the frame sees past, and what is too old or too far. heading: at the last point, 0.1 deg."""
+        state = self._state
+        first = heading + lidar.bearings[0]
+        last = heading + lidar.bearings[n - 1]
+        s0 = sin14(first) >> 4
+        c0 = sin14(first + 900) >> 4
+        s1 = sin14(last) >> 4
+        c1 = sin14(last + 900) >> 4
+        mirrored = s1 * c0 < c1 * s0
+        if mirrored:
+            s0, s1 = s1, s0
+            c0, c1 = c1, c0
+        state[_MIRRORED] = mirrored
+        seen = self._seen
+        gone = self._gone
+        s = s0 + s1
+        c = c0 + c1
+        if s * s > c * c:
+            s = 0xFFFF if s < 0 else 0
+            found = clear_seen_past(lidar.distances, n, state, self.x, self.y, seen, gone, c0, -s0, -c1, s1, state[_X], state[_Y], s)
+        else:
+            c = 0xFFFF if c < 0 else 0
+            found = clear_seen_past(lidar.distances, n, state, self.y, self.x, seen, gone, -s0, c0, s1, -c1, state[_Y], state[_X], c)
+        self._due = due = (self._due + 1) & (_SHARE - 1)
+        due += (state[_COUNT] - 1 - due) & -_SHARE  # the last of its kind
+        drop(state, self.x, self.y, seen, self._travel, self._index, gone, found, due)
 
     def view(self, x, y, heading, bx, by, reach):
         """Fill bx, by (array 'H', mm + 8192, body frame) with the points within reach mm; returns their number.
 
         x, y, heading: the body, 1/8 mm and 0.1 deg.
         """
-        return _view(self._state, self._fx, self._fy, x & 0xFFFF, y & 0xFFFF, sin14(heading), cos14(heading), reach, bx, by)
+        return _view(self._state, self.x, self.y, x & 0xFFFF, y & 0xFFFF, sin14(heading), cos14(heading), reach, bx, by)

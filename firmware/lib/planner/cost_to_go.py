@@ -396,7 +396,7 @@ class CostToGo:
             self._k = 0
             self._stage = 2
         elif stage == 2:
-            self._k = _close(self._closed, self._tight, self._masks, self._queue, points._fx, points._fy, self._k, points.count, self._job)
+            self._k = _close(self._closed, self._tight, self._masks, self._queue, points.x, points.y, self._k, points.count, self._job)
             if self._k >= points.count:
                 self._stage = 3
         elif stage == 3:
