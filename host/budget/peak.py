@@ -1,0 +1,100 @@
+"""How much more than its live data the heap needs while everything is asked of the robot at once, and whether anything stays behind.
+
+A round: greeting with names, the list of all parameters, raw scans and candidates switched on, a value tuned and kept, all while it drives.
+"""
+
+import json
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+from host.link import messages
+from host.twin import image
+from link import frames as whole_frames
+from link import telemetry
+
+from . import trace
+
+ROUNDS = 100
+TURNS_A_ROUND = 400
+_PORTION = 64  # bytes the firmware reads from the line in one turn of its loop
+_STEP = 1024
+
+
+@dataclass
+class Answers:
+    """What came back. refused: texts of the replies that were no OK; parameters, hellos, scans: how many messages."""
+
+    refused: list[str]
+    replies: int
+    parameters: int
+    hellos: int
+    scans: int
+
+
+def commands(rounds: int) -> bytes:
+    """The bytes of so many rounds; zeros between the commands let turns of the loop pass."""
+    out = [_pause(400)]
+    counter = 0
+    for k in range(rounds):
+        for kind, payload, turns in (
+            (telemetry.WATCH, messages.watch(counter + 1, True, True), 15),
+            (telemetry.GREET, messages.greet(counter + 2, True), 40),
+            (telemetry.LIST, messages.plain(counter + 3), 40),
+            (telemetry.TUNE, messages.tune(counter + 4, "drive.cruise", 106 + k % 3), 40),
+            (telemetry.KEEP, messages.plain(counter + 5), 240),
+            (telemetry.WATCH, messages.watch(counter + 6, False, False), TURNS_A_ROUND - 375),
+        ):
+            out += [whole_frames.frame(kind, payload), _pause(turns)]
+        counter += 6
+    return b"".join(out)
+
+
+def _pause(turns: int) -> bytes:
+    return bytes(_PORTION * turns)
+
+
+def answers(output: bytes) -> Answers:
+    """What the robot's output answers to the rounds."""
+    replies, parameters, hellos, scans = [], 0, 0, 0
+    for kind, _, payload in whole_frames.decode(output):
+        if kind == telemetry.REPLY:
+            replies.append(struct.unpack_from(telemetry.REPLY_FORMAT, payload)[2:] + (payload[struct.calcsize(telemetry.REPLY_FORMAT) :].decode(),))
+        parameters += kind == telemetry.PARAMETER
+        hellos += kind == telemetry.HELLO
+        scans += kind == telemetry.SCAN
+    return Answers([text for status, text in replies if status != telemetry.OK], len(replies), parameters, hellos, scans)
+
+
+def live_after(config: dict, rounds: int, firmware: Path = image.FIRMWARE) -> tuple[int, Answers]:
+    """(bytes of the heap after so many rounds and a collection, the answers)."""
+    with trace.board(config, firmware, commands(rounds)) as folder:
+        run = trace.start(folder, turns=rounds * TURNS_A_ROUND + 2000)
+        if run.live is None:
+            raise trace.Failed("not even in a heap of 1 MiB")
+        return run.live, answers(run.output)
+
+
+def highest(config: dict, firmware: Path = image.FIRMWARE, rounds: int = 4) -> int:
+    """Bytes: the least heap, in steps of 1 KiB, in which the rounds pass and every command is obeyed."""
+    turns = rounds * TURNS_A_ROUND + 2000
+    with trace.board(config, firmware, commands(rounds)) as folder:
+        large = trace.start(folder, turns=turns)
+        wanted = answers(large.output)
+        if large.live is None or wanted.refused:
+            raise trace.Failed(f"refused even in a heap of 1 MiB: {json.dumps(wanted.refused[:3])}")
+
+        def passes(heap: int) -> bool:
+            run = trace.start(folder, heap=heap, turns=turns)
+            if run.live is None:
+                return False
+            got = answers(run.output)
+            return not got.refused and got.replies == wanted.replies and got.parameters == wanted.parameters
+
+        low, high = large.live // _STEP * _STEP, (large.live + large.stubs + 96 * 1024) // _STEP * _STEP
+        if not passes(high):
+            raise trace.Failed(f"not in a heap of {high} bytes, though {large.live} are live")
+        while high - low > _STEP:
+            middle = (low + high) // 2 // _STEP * _STEP
+            low, high = (low, middle) if passes(middle) else (middle, high)
+        return trace.objects(high) - large.stubs
