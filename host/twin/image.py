@@ -71,6 +71,16 @@ def _size(path):
         return output.stat().st_size
 
 
+def lay_out(folder, board, firmware=None):
+    """Make the folder a board's file system. board, firmware: what `compiled` gave."""
+    # Short names, as on the board: the interpreter keeps each module's path in the heap.
+    places = {"board": board, "bootstrap.mpy": board / "bootstrap.mpy"}
+    if firmware is not None:
+        places |= {"lib": firmware / "lib", "main.mpy": firmware / "main.mpy"}
+    for name, place in places.items():
+        (folder / name).symlink_to(place)
+
+
 def _sources(firmware):
     return sorted([firmware / "main.py", *(firmware / "lib").rglob("*.py")])
 

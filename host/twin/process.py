@@ -12,11 +12,10 @@ from pathlib import Path
 
 from host import micropython
 
-from . import image, wire
+from . import image, memory, wire
 from .silence import Silence
 
 ENGINES = (*micropython.ENGINES, "cpython")
-HEAP = 200 * 1024  # bytes on the board
 POWER_ON, SOFT_RESET = 1, 5  # as machine.reset_cause() says it
 BOOT_US = 300_000  # from the reset to main.py's first line, roughly what the stock image takes
 
@@ -29,23 +28,25 @@ class Process:
     """The firmware in a process of its own.
 
     engine: one of ENGINES. config_text: the robot.json that it finds. on_serial(bytes) gets what it prints. heap: bytes that it has on
-    the board, None = HEAP. chip: factor on the speed of an ESP32, math.inf = computing takes no time.
+    the board, None = what `memory` says. chip: factor on the speed of an ESP32, math.inf = computing takes no time. clock_us: what the
+    board's clock shows at the start; a soft reset leaves it running.
     """
 
-    def __init__(self, engine, config_text, on_serial, firmware=image.FIRMWARE, heap=None, chip=1.0):
+    def __init__(self, engine, config_text, on_serial, firmware=image.FIRMWARE, heap=None, chip=1.0, clock_us=0):
         self._engine = engine
         self._firmware = Path(firmware)
-        self._heap = heap or HEAP
         self._on_serial = on_serial
-        self._began = 0  # when the board's clock showed 0
+        self._began = -clock_us  # when the board's clock showed 0
         self._closed = False
         self._folder = tempfile.mkdtemp(prefix="gapseeker-")
         try:
             (Path(self._folder) / "robot.json").write_text(config_text)
+            timing = None
             if chip < math.inf:
-                (Path(self._folder) / "chip.json").write_text(json.dumps({"percent": max(round(100 * chip), 1), "sizes": image.sizes(self._firmware)}))
-            self._words = self._command()
-            self._start(0, POWER_ON)
+                timing = json.dumps({"percent": max(round(100 * chip), 1), "sizes": image.sizes(self._firmware)})
+                (Path(self._folder) / "chip.json").write_text(timing)
+            self._words = self._command(config_text, heap, timing)
+            self._start(clock_us, POWER_ON)
         except BaseException:
             shutil.rmtree(self._folder)
             raise
@@ -100,8 +101,8 @@ class Process:
         self._stop()
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def _command(self):
-        """What starts the firmware, but for what _start adds."""
+    def _command(self, config_text, heap, timing):
+        """What starts the firmware: the words before and behind those that _start adds."""
         if self._engine == "cpython":
             # -S: site-packages have no place on the board; -u: what was printed before a reset has been printed.
             return [sys.executable, "-E", "-S", "-u", str(image.BOARD.parent / "bootstrap_cpython.py")], [
@@ -111,10 +112,9 @@ class Process:
             ]
         port = micropython.find(self._engine)
         board, firmware = image.compiled(self._firmware, port)
-        # Short names, as on the board: the interpreter keeps each module's path in the heap.
-        for name, place in (("board", board), ("lib", firmware / "lib"), ("main.mpy", firmware / "main.mpy"), ("bootstrap.mpy", board / "bootstrap.mpy")):
-            (Path(self._folder) / name).symlink_to(place)
-        return [*port.command, "-X", f"heapsize={self._heap * port.heap_factor}", "-m", "bootstrap"], []
+        image.lay_out(Path(self._folder), board, firmware)
+        size = memory.heap_size(port, board, heap or memory.board_heap(self._firmware, config_text), timing)
+        return [*port.command, "-X", f"heapsize={size}", "-m", "bootstrap"], []
 
     def _start(self, ticks, cause):
         """Begin a life of the board. ticks: what its clock shows, us."""

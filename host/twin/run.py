@@ -80,6 +80,7 @@ def run(
     record=None,
     heap=None,
     chip=math.inf,
+    clock_us=0,
 ):
     """Drive one course; returns a Result.
 
@@ -87,7 +88,7 @@ def run(
     it perturbs the start as well. mode: "aws" or "naws", None as robot.json says. speed: factor on real time, None = as fast as
     possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it. watch: simulation.Watch, told what
     happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run earlier than after 60 s.
-    heap: bytes that the firmware has on the board, None as `Process` says.
+    heap, clock_us: of the board, see `Process`.
     chip: factor on the speed of an ESP32, math.inf = computing takes no time.
     record: file for a recording of the run; None records into out/ended-badly/ and keeps that only if the run ends badly; False never records.
     """
@@ -104,7 +105,7 @@ def run(
             recorder = stack.enter_context(Recorder.begin(record, text, address, firmware, {"engine": engine}))
             watch = Several(recorder, watch)
         simulation = Simulation(layout, vehicle, seed, watch)
-        child = Process(engine, text, watch.serial, firmware, heap, chip)
+        child = Process(engine, text, watch.serial, firmware, heap, chip, clock_us)
         stack.callback(child.close)
         try:
             ended = _drive(simulation, child, watch, speed, limit_s)

@@ -5,9 +5,9 @@ import os
 
 import pytest
 
-from host.twin import Watch, image, run, silence
+from host.twin import Watch, image, process, run, silence
 
-ENGINES = ("micropython", "cpython")
+ENGINES = ("micropython", "cpython")  # of what does not depend on the size of words
 
 
 class Log(Watch):
@@ -290,16 +290,27 @@ def test_compiling_happens_once(board, tmp_path):
 # The robot's own firmware
 
 SECONDS = 4
+ROUND = 2**30  # us, of the board's clock
 
 
-@pytest.fixture(scope="module", params=("aws", "naws"))
-def drives(request):
-    """The first seconds of Z 550, seed 2, with all wheels steered and with the last axle straight: twice under MicroPython, once under CPython."""
-    out = []
-    for engine in ("micropython", "micropython", "cpython"):
-        log = Log()
-        out.append((run("Z", 550, seed=2, mode=request.param, engine=engine, watch=log, limit_s=SECONDS, record=False), log))
-    return out
+def _writes(engine, **settings):
+    log = Log()
+    return run(engine=engine, watch=log, record=False, **settings), log
+
+
+@pytest.mark.parametrize("course", (dict(course="Z", width=550, seed=2), dict(course="Z", width=600, seed=2, mode="naws")), ids=("aws", "naws"))
+def test_the_engines_write_the_same_registers_at_the_same_ticks(course):
+    (one, first), *others = (_writes(engine, **course) for engine in process.ENGINES)
+    assert one.result == "pass" and len(first.writes) > 200
+    for other, log in others:
+        assert log.writes == first.writes, other.engine
+        assert log.lidar_bytes == first.lidar_bytes, other.engine
+
+
+@pytest.fixture(scope="module")
+def drives():
+    """The first seconds of Z 550, seed 2, twice."""
+    return [_writes("micropython", course="Z", width=550, seed=2, limit_s=SECONDS) for _ in range(2)]
 
 
 def test_the_firmware_drives(drives):
@@ -316,10 +327,30 @@ def test_a_run_repeats_byte_for_byte(drives):
     assert drives[0][1].lidar_bytes == drives[1][1].lidar_bytes
 
 
-def test_the_engines_write_the_same_registers_at_the_same_ticks(drives):
-    one, two = drives[0][1].writes, drives[2][1].writes
-    assert len(one) > 40
-    assert one == two
+HOURS = """
+import time
+from micropython import heap_lock, heap_unlock
+step = 0
+late = 0
+heap_lock()
+before = time.ticks_us()
+while step < 40:
+    time.sleep_us(100001)
+    if time.ticks_diff(time.ticks_us(), before) != 100001:
+        late += 1
+    before = time.ticks_add(before, 100001)
+    step += 1
+heap_unlock()
+print(late, time.ticks_us(), time.ticks_ms(), time.time())
+"""
+
+
+@pytest.mark.parametrize("engine", process.ENGINES)
+def test_the_clock_is_right_after_hours_and_takes_no_heap(board, engine):
+    begins = 7 * ROUND - 2_000_000
+    _, log = board(HOURS, engine, clock_us=begins, limit_s=5)
+    now = begins + 40 * 100001
+    assert [int(word) for word in log.printed.split()] == [0, now % ROUND, now // 1000 % ROUND, now // 1_000_000]
 
 
 def test_the_twin_is_faster_than_the_robot(drives):

@@ -8,17 +8,17 @@ in a folder that holds what the board does (main, lib/) and, in board/, charge, 
 import gc
 import sys
 
-gc.threshold(2048)  # as main.py: what the start leaves behind must not cut the heap to pieces
 sys.path[:] = ["", "board", "lib"]
 
 import charge
 import lockstep
 
-for _name in ("time", "machine"):
+for _name in ("time", "machine", "machine_more"):
     sys.modules.pop(_name, None)
     sys.modules[_name] = __import__(_name)  # the file comes before the built-in one
 lockstep.connect(*[int(word) for word in sys.argv[1:5]])
 charge.load("chip.json")
+gc.collect()  # main.py begins with what the twin has measured; see memory.py there
 
 try:
     import main  # noqa: F401

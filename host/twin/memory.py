@@ -1,0 +1,85 @@
+"""How much heap the firmware gets in the twin: what it would have on an ESP32-WROOM.
+
+On the chip, heap and machine code share one memory. Together they had 200 KiB, and 163 with the radio on (measured on the stock image v1.24.0,
+heap filled to the last block). So the more machine code, the less heap. What the modules of the emulated board take comes on top: the real
+board's are in ROM.
+"""
+
+import json
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+
+from host.micropython import mpy
+
+from . import image, wire
+
+KIB = 1024
+HEAP_AND_CODE = 200 * KIB
+WITH_RADIO = 163 * KIB
+# More than the chip has, until the firmware has become as small as it must be. Then this is 0.
+ALLOWANCE = 48 * KIB
+
+_PROBE = "import gc\ngc.collect()\nprint('board', gc.mem_alloc(), gc.mem_alloc() + gc.mem_free())\n"
+_PROBED = 256 * KIB
+
+
+def board_heap(firmware, config_text):
+    """Bytes of heap that the firmware in the folder has on the board with that robot.json: gc.mem_alloc() + gc.mem_free() at main.py's first line."""
+    kept = image.compiled(firmware)[1].parent
+    code = _remembered(kept / "machine_code.json", lambda: mpy.machine_code_bytes(firmware))
+    return (WITH_RADIO if _radio(config_text) else HEAP_AND_CODE) - sum(code.values()) + ALLOWANCE
+
+
+def heap_size(port, board, board_bytes, chip=None):
+    """What -X heapsize has to be for so many bytes of the board.
+
+    port: micropython.Port. board: folder of the emulated board's modules, compiled for it. chip: text of the chip.json that they find.
+    """
+    taken, whole = taken_by_the_board(port, board, chip)
+    return (board_bytes * port.heap_factor + taken) * _PROBED * port.heap_factor // whole
+
+
+def taken_by_the_board(port, board, chip=None):
+    """[bytes that the emulated board has taken when main.py begins, bytes in a heap of -X heapsize=_PROBED: the rest is for its own books]."""
+    kept = board.parent / ("board_heap_chip.json" if chip else "board_heap.json")
+    return _remembered(kept, lambda: _probe(port, board, chip))
+
+
+def _radio(config_text):
+    try:
+        return bool(json.loads(config_text)["wifi"]["ssid"])
+    except (ValueError, KeyError, TypeError):
+        return False  # the firmware will say what is wrong with it
+
+
+def _probe(port, board, chip):
+    with tempfile.TemporaryDirectory(prefix="gapseeker-") as folder, open(os.devnull, "wb") as nobody:
+        image.lay_out(Path(folder), board)
+        if chip:
+            (Path(folder) / "chip.json").write_text(chip)
+        (Path(folder) / "main.py").write_text(_PROBE)
+        answer, twin = os.pipe()
+        try:
+            os.write(twin, bytes(wire.SHORT))
+            words = [*port.command, "-X", f"heapsize={_PROBED * port.heap_factor}", "-m", "bootstrap", str(answer), str(nobody.fileno()), "0", "1"]
+            done = subprocess.run(words, cwd=folder, pass_fds=(answer, nobody.fileno()), capture_output=True, text=True, timeout=60)
+        finally:
+            os.close(answer)
+            os.close(twin)
+    word, *figures = done.stdout.split()
+    assert word == "board", done.stdout + done.stderr
+    return [int(figure) for figure in figures]
+
+
+def _remembered(path, make):
+    """The JSON in the file, made and put there if there is none."""
+    try:
+        return json.loads(path.read_text())
+    except (OSError, ValueError):
+        value = make()
+    with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False) as file:
+        json.dump(value, file)
+    os.replace(file.name, path)
+    return value
