@@ -13,7 +13,7 @@ from pathlib import Path
 from host import micropython
 from host.micropython import ToolMissing
 
-__all__ = ["BOARD", "BUILD", "FIRMWARE", "ROOT", "ToolMissing", "compiled", "sizes"]
+__all__ = ["BOARD", "BUILD", "FIRMWARE", "ROOT", "ToolMissing", "compiled", "lay_out", "sizes"]
 
 ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = ROOT / "firmware"

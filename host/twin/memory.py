@@ -62,7 +62,7 @@ def _probe(port, board, chip):
         (Path(folder) / "main.py").write_text(_PROBE)
         answer, twin = os.pipe()
         try:
-            os.write(twin, bytes(wire.SHORT))
+            os.write(twin, bytes(wire.SHORT) + wire.FAR.to_bytes(4, "little").ljust(wire.REPLY, b"\0"))  # nothing happens, for long
             words = [*port.command, "-X", f"heapsize={_PROBED * port.heap_factor}", "-m", "bootstrap", str(answer), str(nobody.fileno()), "0", "1"]
             done = subprocess.run(words, cwd=folder, pass_fds=(answer, nobody.fileno()), capture_output=True, text=True, timeout=60)
         finally:

@@ -11,7 +11,7 @@ I2C_WRITE, PIN, PWM_DUTY, PWM_FREQUENCY, UART_OUTPUT = 1, 2, 3, 4, 5
 REPLY, SHORT, PAYLOAD, CHUNKS = 1024, 256, 128, 4
 
 ROUND = 1 << 30
-_FAR = 1 << 29  # horizons further off are as good as this one
+FAR = 1 << 29  # horizons further off are as good as this one
 
 _REQUEST = struct.Struct("<IBBHIII11iI")
 _EVENT = struct.Struct("<IBBH")
@@ -63,7 +63,7 @@ def encode(request, began, horizon, levels, addresses, adc, chunks=(), payload=b
     horizon: time before which nothing more arrives. levels: of the input pins, bit = GPIO. addresses: that acknowledge on I2C.
     chunks, to ADVANCE only: [(time of the first byte, bytes, GPIO, baud rate)].
     """
-    ahead = min(max(horizon - request.target, 0), _FAR)
+    ahead = min(max(horizon - request.target, 0), FAR)
     words = [ahead, adc, len(chunks), *_bits(levels, 4), *_bits(sum(1 << address for address in addresses), 8)]
     for time, data, gpio, baud in chunks:
         words += ((time - began) % ROUND, len(data), gpio, baud)
