@@ -19,7 +19,7 @@ The streams that follow, in order of time:
 
     1 lidar       bytes from the lidar; the time is that at which the first of them has arrived, the others follow at the line's rate
     2 registers   one I2C write: address u8, then the bytes written (register number first); the time is that of its end
-    3 telemetry   bytes the robot sent on its link or printed, see firmware/lib/link/telemetry.py
+    3 telemetry   bytes the robot sent on its link or printed, see firmware/lib/link/protocol.py
     4 decision    one decision of the firmware, see `Decision`
     5 pose        true pose of the body (twin only), see `Pose`
     6 event       UTF-8 text: touched a wall, stopped by hand, lost the link, ...

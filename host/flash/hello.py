@@ -20,14 +20,14 @@ _PROMPT = b"raw REPL; CTRL-B to exit\r\n>"
 
 
 def find(said: bytes) -> str | None:
-    """Version in the first hello (firmware/lib/link/telemetry.py) among these bytes; None if there is none yet."""
+    """Version in the first hello (firmware/lib/link/protocol.py) among these bytes; None if there is none yet."""
     compat.install()
     from link import frames as whole_frames
-    from link import telemetry
+    from link import protocol
 
     for kind, _, payload in whole_frames.decode(said):
-        if kind == telemetry.HELLO:
-            return json.loads(payload[struct.calcsize(telemetry.HELLO_FORMAT) :])["firmware"]
+        if kind == protocol.HELLO:
+            return json.loads(payload[struct.calcsize(protocol.HELLO_FORMAT) :])["firmware"]
     return None
 
 

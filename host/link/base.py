@@ -4,8 +4,9 @@ import queue
 import threading
 import time
 
+from link import frames, protocol
+
 from . import messages
-from .messages import telemetry, whole_frames
 
 QUEUE = 4000  # messages; beyond that nobody is reading, and the oldest go
 
@@ -29,7 +30,7 @@ class Link:
         self.taps: list = []
         self.lost = 0  # frames that went missing on the way, by their sequence numbers
         self._queue: queue.Queue = queue.Queue()
-        self._decoder = telemetry.Decoder(stray=self._stray)
+        self._frames = frames.FrameReader(stray=self._stray)
         self._printed = bytearray()
         self._sequence_in: int | None = None
         self._sequence_out = 0
@@ -63,31 +64,35 @@ class Link:
 
     def drive(self, what: str, af: float = 0, ar: float = 0, v: float = 90) -> None:
         """what: "stop", "auto" or "manual"; "manual" needs repeating within 250 ms, or the robot stops. Degrees, V 0..180."""
-        self._command(telemetry.DRIVE, lambda counter: messages.drive(counter, what, af, ar, v))
+        self._command(protocol.DRIVE, lambda counter: messages.drive(counter, what, af, ar, v))
 
     def tune(self, key: str, value) -> None:
         """Change a live parameter; the reply tells if it was refused."""
-        self._command(telemetry.TUNE, lambda counter: messages.tune(counter, key, value))
+        self._command(protocol.TUNE, lambda counter: messages.tune(counter, key, value))
 
     def keep(self) -> None:
         """Write what was tuned to the board's robot.json."""
-        self._command(telemetry.KEEP, messages.plain)
+        self._command(protocol.KEEP, messages.plain)
 
-    def list(self) -> None:
+    def request_parameters(self) -> None:
         """Ask for every parameter."""
-        self._command(telemetry.LIST, messages.plain)
+        self._command(protocol.LIST, messages.plain)
 
     def watch(self, scan: bool = False, candidates: bool = False) -> None:
         """Ask for raw scans and for the candidates of each decision, or no longer."""
-        self._command(telemetry.WATCH, lambda counter: messages.watch(counter, scan, candidates))
+        self._command(protocol.WATCH, lambda counter: messages.watch(counter, scan, candidates))
 
     def point(self, wheel: int, angle: float) -> None:
         """Turn one wheel alone, degrees."""
-        self._command(telemetry.POINT, lambda counter: messages.point(counter, wheel, angle))
+        self._command(protocol.POINT, lambda counter: messages.point(counter, wheel, angle))
+
+    def restart(self) -> None:
+        """Start the robot anew; it refuses unless it stands. It is a new session then, with what was tuned gone unless it was kept."""
+        self._command(protocol.RESTART, messages.plain)
 
     def greet(self, names: bool = True) -> None:
         """Show that someone listens; names: ask for HELLO and NAMES."""
-        self._command(telemetry.GREET, lambda counter: messages.greet(counter, names))
+        self._command(protocol.GREET, lambda counter: messages.greet(counter, names))
 
     def close(self) -> None:
         """Let go of the other end."""
@@ -109,7 +114,7 @@ class Link:
             self._send(data)
 
     def _frame(self, kind: int, payload: bytes) -> bytes:
-        return whole_frames.frame(kind, payload, self._sequence_out)
+        return frames.frame(kind, payload, self._sequence_out)
 
     def _send(self, data: bytes) -> None:
         raise NotImplementedError
@@ -118,16 +123,8 @@ class Link:
         """Bytes from the robot, in any pieces."""
         for tap in self.taps:
             tap("in", data)
-        decoder = self._decoder
-        at = 0
-        while True:
-            while decoder.take():
-                self._take(decoder.kind, decoder.sequence, bytes(decoder.data[decoder.start : decoder.end]))
-            count = min(decoder.room(), len(data) - at)
-            if count <= 0:
-                return
-            decoder.feed(data, at, count)
-            at += count
+        for kind, sequence, payload in self._frames.read(data):
+            self._take(kind, sequence, payload)
 
     def _take(self, kind: int, sequence: int, payload: bytes) -> None:
         if self._sequence_in is not None:

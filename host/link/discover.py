@@ -2,7 +2,9 @@
 
 import time
 
-from .messages import decode, whole_frames
+from link import frames
+
+from .messages import decode
 from .radio import PORT, listen
 
 # USB bridges on ESP32 boards: CP210x, CH340/CH9102, FTDI, and the chip's own
@@ -27,7 +29,7 @@ def robots(seconds: float = 1.5, port: int = PORT) -> list[tuple[str, dict]]:
                 data, sender = heard.recvfrom(2048)
             except (TimeoutError, OSError):
                 break
-            for kind, _, payload in whole_frames.decode(data):
+            for kind, _, payload in frames.decode(data):
                 hello = decode(kind, payload)
                 if hello and hello["type"] == "hello":
                     found[f"udp:{sender[0]}" + (f":{port}" if port != PORT else "")] = hello

@@ -1,4 +1,4 @@
-"""Payloads of the wire format (firmware/lib/link/telemetry.py) as dicts that JSON can hold, and commands as payloads.
+"""Payloads of the wire format (firmware/lib/link/protocol.py) as dicts that JSON can hold, and commands as payloads.
 
 Every dict has `type`; angles are degrees, lengths mm, speeds mm/s or r/s, times seconds of the robot's own clock (it wraps after 18 minutes).
 
@@ -9,7 +9,7 @@ Every dict has `type`; angles are degrees, lengths mm, speeds mm/s or r/s, times
     scan        bearings, distances (mm), times
     health      uptime, heap, worst (ms), battery (V or None), lidar_speed, lidar_ok, chips, radio, fault, frames, errors, speed_faults,
                 dropped, refused
-    parameter   key, value, default, low, high, unit, meaning, number, of
+    parameter   key, value, default, low, high, unit, meaning, number, of, restart (it counts from the next start)
     log         level, text
     pose        time, x, y, heading: where the robot thinks it is, from where it was switched on
     candidates  time, side ("right" or "left"), backward, list of {af, ar, free, chosen}; free is None where others promised more, so that it was not looked at
@@ -28,8 +28,7 @@ Links add some of their own:
 import json
 import struct
 
-from link import frames as whole_frames  # noqa: F401  handed on with telemetry
-from link import telemetry
+from link import protocol
 from params import schema
 
 STATES = ("stopped", "auto", "manual")
@@ -45,7 +44,7 @@ def decode(kind: int, payload: bytes, full_speed: float = 1280.0) -> dict | None
     full_speed: mm/s of the wheels at V = 180, for `wheels`.
     """
     try:
-        if kind == telemetry.WHEELS:
+        if kind == protocol.WHEELS:
             return _wheels(payload, full_speed)
         return _DECODERS[kind](payload) if kind in _DECODERS else None
     except (struct.error, ValueError, IndexError):
@@ -53,17 +52,17 @@ def decode(kind: int, payload: bytes, full_speed: float = 1280.0) -> dict | None
 
 
 def _block(x, y):
-    return None if x == telemetry.NO_POINT else [x, y]
+    return None if x == protocol.NO_POINT else [x, y]
 
 
 def _hello(payload):
-    session, counter = struct.unpack_from(telemetry.HELLO_FORMAT, payload)
-    rest = json.loads(payload[struct.calcsize(telemetry.HELLO_FORMAT) :])
+    session, counter = struct.unpack_from(protocol.HELLO_FORMAT, payload)
+    rest = json.loads(payload[struct.calcsize(protocol.HELLO_FORMAT) :])
     return {"type": "hello", "session": session.hex(), "counter": counter, **rest}
 
 
 def _decision(payload):
-    number, time, state, mode, af, ar, v, window, zone, free, x, y, why, took = struct.unpack(telemetry.DECISION_FORMAT, payload)
+    number, time, state, mode, af, ar, v, window, zone, free, x, y, why, took = struct.unpack(protocol.DECISION_FORMAT, payload)
     return {
         "type": "decision", "number": number, "time": time / 1e6, "state": STATES[state], "mode": mode, "af": af / 10, "ar": ar / 10, "v": v,
         "window": window, "zone": None if zone == 255 else zone, "free": free, "block": _block(x, y), "why": why, "took": took / 1000,
@@ -71,8 +70,8 @@ def _decision(payload):
 
 
 def _wheels(payload, full_speed):
-    size = struct.calcsize(telemetry.WHEELS_FORMAT)
-    time, af, ar, v256, folded, count = struct.unpack_from(telemetry.WHEELS_FORMAT, payload)
+    size = struct.calcsize(protocol.WHEELS_FORMAT)
+    time, af, ar, v256, folded, count = struct.unpack_from(protocol.WHEELS_FORMAT, payload)
     angles = struct.unpack_from(f"<{count}h", payload, size)
     shares = struct.unpack_from(f"<{count}h", payload, size + 2 * count)
     scale = v256 * full_speed / FULL_V256 / 16384
@@ -83,8 +82,8 @@ def _wheels(payload, full_speed):
 
 
 def _points(payload):
-    size = struct.calcsize(telemetry.POINTS_FORMAT)
-    time, count = struct.unpack_from(telemetry.POINTS_FORMAT, payload)
+    size = struct.calcsize(protocol.POINTS_FORMAT)
+    time, count = struct.unpack_from(protocol.POINTS_FORMAT, payload)
     return {
         "type": "points", "time": time / 1e6, "x": list(struct.unpack_from(f"<{count}h", payload, size)),
         "y": list(struct.unpack_from(f"<{count}h", payload, size + 2 * count)), "window": list(payload[size + 4 * count : size + 5 * count]),
@@ -92,11 +91,11 @@ def _points(payload):
 
 
 def _scan(payload):
-    size = struct.calcsize(telemetry.SCAN_FORMAT)
+    size = struct.calcsize(protocol.SCAN_FORMAT)
     bearings, distances, times = [], [], []
     at = 0
     while at < len(payload):
-        time, first, last, count = struct.unpack_from(telemetry.SCAN_FORMAT, payload, at)
+        time, first, last, count = struct.unpack_from(protocol.SCAN_FORMAT, payload, at)
         step = ((last - first + 1800) % 3600 - 1800) / max(count - 1, 1)
         bearings += [round((first + step * i) % 3600 / 10, 2) for i in range(count)]
         distances += [quarter / 4 for quarter in struct.unpack_from(f"<{count}H", payload, at + size)]
@@ -106,7 +105,7 @@ def _scan(payload):
 
 
 def _health(payload):
-    uptime, heap, worst, battery, speed, flags, fault, frames, errors, faults, dropped, refused = struct.unpack(telemetry.HEALTH_FORMAT, payload)
+    uptime, heap, worst, battery, speed, flags, fault, frames, errors, faults, dropped, refused = struct.unpack(protocol.HEALTH_FORMAT, payload)
     return {
         "type": "health", "uptime": uptime / 1000, "heap": heap, "worst": worst / 1000, "battery": battery / 1000 if battery else None,
         "lidar_speed": speed / 20, "lidar_ok": bool(flags & 1), "chips": bool(flags & 2), "radio": bool(flags & 4), "fault": fault,
@@ -115,13 +114,13 @@ def _health(payload):
 
 
 def _pose(payload):
-    time, x, y, heading = struct.unpack(telemetry.POSE_FORMAT, payload)
+    time, x, y, heading = struct.unpack(protocol.POSE_FORMAT, payload)
     return {"type": "pose", "time": time / 1e6, "x": x / 256, "y": y / 256, "heading": heading / 1000}
 
 
 def _candidates(payload):
-    size = struct.calcsize(telemetry.CANDIDATES_FORMAT)
-    time, variant, chosen, count = struct.unpack_from(telemetry.CANDIDATES_FORMAT, payload)
+    size = struct.calcsize(protocol.CANDIDATES_FORMAT)
+    time, variant, chosen, count = struct.unpack_from(protocol.CANDIDATES_FORMAT, payload)
     values = struct.unpack_from(f"<{2 * count}h{count}H", payload, size)
     rows = []
     for k in range(count):
@@ -150,65 +149,66 @@ def _parameter(payload):
 
 
 def _reply(payload):
-    counter, kind, status = struct.unpack_from(telemetry.REPLY_FORMAT, payload)
-    text = payload[struct.calcsize(telemetry.REPLY_FORMAT) :].decode(errors="replace")
+    counter, kind, status = struct.unpack_from(protocol.REPLY_FORMAT, payload)
+    text = payload[struct.calcsize(protocol.REPLY_FORMAT) :].decode(errors="replace")
     return {"type": "reply", "counter": counter, "command": COMMANDS.get(kind, str(kind)), "status": STATUSES[status], "text": text}
 
 
 _DECODERS = {
-    telemetry.HELLO: _hello,
-    telemetry.DECISION: _decision,
-    telemetry.POINTS: _points,
-    telemetry.SCAN: _scan,
-    telemetry.HEALTH: _health,
-    telemetry.PARAMETER: _parameter,
-    telemetry.LOG: lambda payload: {"type": "log", "level": payload[0], "text": payload[1:].decode(errors="replace")},
-    telemetry.POSE: _pose,
-    telemetry.CANDIDATES: _candidates,
-    telemetry.REPLY: _reply,
-    telemetry.NAMES: lambda payload: {"type": "names", **json.loads(payload)},
+    protocol.HELLO: _hello,
+    protocol.DECISION: _decision,
+    protocol.POINTS: _points,
+    protocol.SCAN: _scan,
+    protocol.HEALTH: _health,
+    protocol.PARAMETER: _parameter,
+    protocol.LOG: lambda payload: {"type": "log", "level": payload[0], "text": payload[1:].decode(errors="replace")},
+    protocol.POSE: _pose,
+    protocol.CANDIDATES: _candidates,
+    protocol.REPLY: _reply,
+    protocol.NAMES: lambda payload: {"type": "names", **json.loads(payload)},
 }
 
 COMMANDS = {
-    telemetry.DRIVE: "drive",
-    telemetry.TUNE: "tune",
-    telemetry.KEEP: "keep",
-    telemetry.WATCH: "watch",
-    telemetry.LIST: "list",
-    telemetry.POINT: "point",
-    telemetry.GREET: "greet",
+    protocol.DRIVE: "drive",
+    protocol.TUNE: "tune",
+    protocol.KEEP: "keep",
+    protocol.WATCH: "watch",
+    protocol.LIST: "list",
+    protocol.POINT: "point",
+    protocol.GREET: "greet",
+    protocol.RESTART: "restart",
 }
 
 
 def drive(counter: int, what: str, af: float = 0, ar: float = 0, v: float = 90) -> bytes:
     """what: "stop", "auto" or "manual"; af, ar in degrees, v 0..180. ValueError beyond these."""
-    states = {"stop": telemetry.STOPPED, "auto": telemetry.AUTO, "manual": telemetry.MANUAL}
+    states = {"stop": protocol.STOPPED, "auto": protocol.AUTO, "manual": protocol.MANUAL}
     if what not in states:
         raise ValueError(f"drive {what!r}: one of {', '.join(states)} is needed")
     if not (-90 <= af <= 90 and -90 <= ar <= 90 and 0 <= v <= 180):
         raise ValueError(f"AF {af}, AR {ar} (-90 to 90 degrees), V {v} (0 to 180)")
-    return struct.pack(telemetry.DRIVE_FORMAT, counter, states[what], round(af * 10), round(ar * 10), round(v))
+    return struct.pack(protocol.DRIVE_FORMAT, counter, states[what], round(af * 10), round(ar * 10), round(v))
 
 
 def tune(counter: int, key: str, value) -> bytes:
     """value: what JSON can hold."""
-    return struct.pack(telemetry.COUNTER_FORMAT, counter) + f"{key}={json.dumps(value)}".encode()
+    return struct.pack(protocol.COUNTER_FORMAT, counter) + f"{key}={json.dumps(value)}".encode()
 
 
 def plain(counter: int) -> bytes:
-    """Payload of KEEP and LIST."""
-    return struct.pack(telemetry.COUNTER_FORMAT, counter)
+    """Payload of KEEP, LIST and RESTART."""
+    return struct.pack(protocol.COUNTER_FORMAT, counter)
 
 
 def watch(counter: int, scan: bool, candidates: bool) -> bytes:
-    return struct.pack(telemetry.WATCH_FORMAT, counter, scan | candidates << 1)
+    return struct.pack(protocol.WATCH_FORMAT, counter, scan | candidates << 1)
 
 
 def point(counter: int, wheel: int, angle: float) -> bytes:
     """angle in degrees."""
-    return struct.pack(telemetry.POINT_FORMAT, counter, wheel, round(angle * 10))
+    return struct.pack(protocol.POINT_FORMAT, counter, wheel, round(angle * 10))
 
 
 def greet(counter: int, names: bool) -> bytes:
     """names: also send HELLO and NAMES."""
-    return struct.pack(telemetry.GREET_FORMAT, counter, names)
+    return struct.pack(protocol.GREET_FORMAT, counter, names)

@@ -5,11 +5,11 @@ import threading
 import time
 
 from host import recording
+from link import frames
 
 from . import messages
 from .address import AddressError, parse
 from .base import Link, LinkError
-from .messages import telemetry
 
 STATE = ("hello", "names", "world", "health", "scan", "candidates", "points", "wheels", "pose", "truth", "playback")
 HISTORY_S = 20.0  # of decisions, told again after a jump, for the charts
@@ -100,24 +100,16 @@ def story(reader: recording.Reader):
     if world := _world(header):
         yield 0.0, world
     yield 0.0, {"type": "names", "reasons": list(header.reasons), "faults": []}
-    decoder = telemetry.Decoder()
+    telemetry = frames.FrameReader()
     full_speed = 1280.0
     for record in reader:
         moment = record.time_us / 1e6
         if record.stream == recording.Stream.TELEMETRY:
-            at = 0
-            while True:
-                while decoder.take():
-                    payload = bytes(decoder.data[decoder.start : decoder.end])
-                    message = messages.decode(decoder.kind, payload, full_speed)
-                    if message:
-                        full_speed = message.get("full_speed", full_speed)
-                        yield moment, message
-                count = min(decoder.room(), len(record.data) - at)
-                if count <= 0:
-                    break
-                decoder.feed(record.data, at, count)
-                at += count
+            for kind, _, payload in telemetry.read(record.data):
+                message = messages.decode(kind, payload, full_speed)
+                if message:
+                    full_speed = message.get("full_speed", full_speed)
+                    yield moment, message
         elif record.stream == recording.Stream.POSE:
             x, y, heading = recording.Pose.unpack(record.data)
             yield moment, {"type": "truth", "x": round(x, 1), "y": round(y, 1), "heading": round(heading, 2), "clearance": None, "time": moment}

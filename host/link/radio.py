@@ -6,10 +6,9 @@ import threading
 import time
 
 from host.flash import places
-from link import auth
+from link import auth, frames, protocol
 
 from .base import Link, LinkError
-from .messages import telemetry, whole_frames
 
 PORT = 9750
 _GREET_S = 1.0
@@ -77,7 +76,7 @@ class RadioLink(Link):
 
     def _is_known(self, data: bytes) -> bool:
         """Announcements tell nothing new once the robot sends to us."""
-        return bool(self._session) and not data[3:4] == bytes([telemetry.HELLO])
+        return bool(self._session) and not data[3:4] == bytes([protocol.HELLO])
 
     def _greeted(self, hello: dict) -> None:
         super()._greeted(hello)
@@ -105,9 +104,9 @@ class RadioLink(Link):
     def _frame(self, kind: int, payload: bytes) -> bytes:
         if self._key is None:
             # Without the session nothing can be signed; a greeting that is not makes the robot tell it.
-            return whole_frames.frame(kind, payload) if kind == telemetry.GREET and not self._session else b""
-        head = struct.pack("<BBHH", telemetry.VERSION, kind, self._sequence_out & 0xFFFF, len(payload) + auth.TAG)
-        return whole_frames.frame(kind, payload + auth.tag(self._key, self._session, head + payload), self._sequence_out)
+            return frames.frame(kind, payload) if kind == protocol.GREET and not self._session else b""
+        head = struct.pack("<BBHH", protocol.VERSION, kind, self._sequence_out & 0xFFFF, len(payload) + auth.TAG)
+        return frames.frame(kind, payload + auth.Signer(self._key).tag(self._session, head + payload), self._sequence_out)
 
     def _send(self, data: bytes) -> None:
         if not data:

@@ -114,9 +114,11 @@ class Station:
         elif do == "keep":
             link.keep()
         elif do == "list":
-            link.list()
+            link.request_parameters()
         elif do == "watch":
             link.watch(bool(what.get("scan")), bool(what.get("candidates")))
+        elif do == "restart":
+            link.restart()
         elif do == "point":
             link.point(int(what["wheel"]), float(what["angle"]))
         else:
@@ -136,7 +138,7 @@ class Station:
     def _ask(self, link: Link) -> None:
         """Ask for the parameters until all are here: a datagram may be lost, and a robot may just be starting."""
         for _ in range(ASKED):
-            link.list()
+            link.request_parameters()
             end = time.monotonic() + ASK_S
             while time.monotonic() < end and link is self.link:
                 with self._lock:

@@ -20,8 +20,10 @@ def _take_over(name):
 
 sys.path[:] = ["", _board, _firmware, _firmware + "/lib", *sys.path[1:], _root]
 from host import compat
+from host.compat.streams import Output
 
 compat.install(_firmware)
+sys.stdout = Output(sys.stdout)
 
 import charge
 import lockstep

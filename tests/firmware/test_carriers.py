@@ -1,16 +1,15 @@
-"""carriers.py: the serial line in portions its FIFO has room for, Ctrl-C, datagrams signed and filled."""
+"""serial_line.py, radio.py, wifi.py: the serial line in portions its FIFO has room for, Ctrl-C, datagrams signed and filled."""
 
 import struct
 import sys
 
 import micropython
 
-from link import telemetry
+from link import protocol
 from link.frames import decode, frame
 from link.radio import Datagrams
 from link.serial_line import SerialLine
 from link.telemetry import Encoder
-from link.wifi import start_radio
 
 MICROPYTHON = sys.implementation.name == "micropython"
 
@@ -20,14 +19,14 @@ class Sink:
 
     def __init__(self):
         self.buffer = self
-        self.data = bytearray(20_000)
+        self.data = bytearray(60_000)
         self.used = 0
         self.most = 0
 
-    def write(self, data):
+    def write(self, data, at, count):
         i = 0
-        while i < len(data):
-            self.data[self.used + i] = data[i]
+        while i < count:
+            self.data[self.used + i] = data[at + i]
             i += 1
         self.used += i
         self.most = max(self.most, i)
@@ -59,13 +58,23 @@ class Source:
         return 1
 
 
-def make(rate=11520):
-    source, sink = Source(), Sink()
-    line = SerialLine(sys.stdin if MICROPYTHON else _Stdin(), sink, rate)
+class Clock:
+    """What the line takes for the time."""
+
+    def __init__(self):
+        self.us = 0
+
+    def read(self):
+        return self.us
+
+
+def make():
+    source, sink, clock = Source(), Sink(), Clock()
+    line = SerialLine(sys.stdin if MICROPYTHON else _Stdin(), sink, clock.read)
     line.close()
     line._source = source
     line._ready = source.ready
-    return line, source, sink
+    return line, source, sink, clock
 
 
 class _Stdin:
@@ -81,61 +90,71 @@ class _Stdin:
 
 
 def sealed(encoder, length=100):
-    return encoder.seal(telemetry.LOG, length)
+    encoder.data[3] = protocol.LOG
+    encoder.seal(length)
+    return encoder
 
 
 def test_output_keeps_to_the_rate_of_the_line():
-    line, _, sink = make()
+    line, _, sink, clock = make()
     encoder = Encoder()
-    now = 0
     accepted = 0
-    while now < 1_000_000:
-        accepted += line.send(encoder, sealed(encoder), now)
-        line.update(now)
-        now += 5000
-    assert 10_000 < sink.used <= 11_520 + 120 and sink.most <= 64
-    assert 90 < accepted < 140  # of 200: the others are dropped, whole
-    assert len(decode(sink.text())) >= accepted - 25
+    while clock.us < 1_000_000:
+        if line.idle():
+            accepted += line.send(sealed(encoder))
+        line.update(clock.us)
+        clock.us += 5000
+    assert 10_000 < sink.used <= 11_520 + 120 and sink.most <= 120
+    assert len(decode(sink.text())) >= accepted - 1 > 90
+
+
+def test_the_room_in_the_fifo_is_that_of_the_moment_of_writing():
+    line, _, sink, clock = make()
+    line.send(sealed(Encoder(), 1000))
+    first = sink.used
+    assert first == 120
+    clock.us = 3000  # the loop began long before: what counts is how much has left the FIFO by now
+    line.update(1_000_000)
+    assert sink.used - first == 3000 // 87
+    line.update(2_000_000)
+    assert sink.used - first == 3000 // 87
 
 
 def test_a_pause_of_the_loop_gives_no_burst():
-    line, _, sink = make()
-    encoder = Encoder()
-    for _ in range(10):
-        line.send(encoder, sealed(encoder), 0)
-    line.update(0)
+    line, _, sink, clock = make()
+    line.send(sealed(Encoder(), 1000))
     first = sink.used
+    clock.us = 900_000
     line.update(900_000)
     assert first <= 120 and sink.used - first <= 120
 
 
 def test_frames_come_out_whole_whatever_their_length():
-    line, _, sink = make()
+    line, _, sink, clock = make()
     encoder = Encoder()
-    now = 0
-    for length in range(60):
-        size = encoder.seal(telemetry.LOG, length)
-        assert line.send(encoder, size, now)
-        for _ in range(4):
-            now += 5000
-            line.update(now)
-    assert [len(payload) for _, _, payload in decode(sink.text())] == list(range(60))
+    for length in range(0, 1390, 23):
+        assert line.idle() and line.send(sealed(encoder, length))
+        while not line.idle():
+            clock.us += 5000
+            line.update(clock.us)
+        clock.us += 5000
+    assert [len(payload) for _, _, payload in decode(sink.text())] == list(range(0, 1390, 23))
 
 
 def test_commands_come_in_piece_by_piece():
-    line, source, _ = make()
-    data = frame(telemetry.GREET, b"\1\0\0\0\1") + frame(telemetry.LIST, b"\3\0\0\0")
+    line, source, _, _ = make()
+    data = frame(protocol.GREET, b"\1\0\0\0\1") + frame(protocol.LIST, b"\3\0\0\0")
     found = []
     for byte in data:
         source.give(bytes([byte]))
         while line.take(0):
             found.append(line.decoder.kind)
-    assert found == [telemetry.GREET, telemetry.LIST]
+    assert found == [protocol.GREET, protocol.LIST]
 
 
 def test_ctrl_c_counts_outside_frames_only():
-    line, source, _ = make()
-    source.give(frame(telemetry.LIST, b"\3\0\0\0"))
+    line, source, _, _ = make()
+    source.give(frame(protocol.LIST, b"\3\0\0\0"))
     assert line.take(0)
     source.give(b"\r\x03")
     try:
@@ -147,45 +166,44 @@ def test_ctrl_c_counts_outside_frames_only():
 
 
 def test_a_broken_frame_is_no_ctrl_c():
-    line, source, _ = make()
-    broken = bytearray(frame(telemetry.LIST, b"\3\3\3\3"))
+    line, source, _, _ = make()
+    broken = bytearray(frame(protocol.LIST, b"\3\3\3\3"))
     broken[-1] ^= 1
     source.give(bytes(broken))
     assert not line.take(0)
-    source.give(frame(telemetry.LIST, b"\3\3\3\3")[:10])
+    source.give(frame(protocol.LIST, b"\3\3\3\3")[:10])
     assert not line.take(1000)
     assert not line.take(500_000)  # given up
-    source.give(frame(telemetry.KEEP, b"\4\0\0\0"))
-    assert line.take(501_000) and line.decoder.kind == telemetry.KEEP
+    source.give(frame(protocol.KEEP, b"\4\0\0\0"))
+    assert line.take(501_000) and line.decoder.kind == protocol.KEEP
 
 
 def test_a_closed_line_is_left_alone():
-    line, source, _ = make()
+    line, source, _, _ = make()
     source.closed = True
     assert not line.take(0) and not line.take(1000)
 
 
 def test_a_flood_does_not_hold_the_loop():
-    line, source, _ = make()
+    line, source, _, _ = make()
     source.give(b"x" * 500)
     assert not line.take(0)
-    assert len(source.data) == 500 - 64
+    assert len(source.data) == 500 - 16
 
 
 def test_the_line_allocates_nothing():
-    line, source, sink = make()
+    line, _, sink, clock = make()
     encoder = Encoder()
     line._ready = _nothing
-    line.send(encoder, sealed(encoder), 0)
-    line.update(0)
+    line.send(sealed(encoder))
     micropython.heap_lock()
     try:
-        now = 0
-        while now < 300_000:
-            line.send(encoder, sealed(encoder), now)
-            line.update(now)
-            line.take(now)
-            now += 5000
+        while clock.us < 300_000:
+            if line.idle():
+                line.send(sealed(encoder))
+            line.update(clock.us)
+            line.take(clock.us)
+            clock.us += 5000
     finally:
         micropython.heap_unlock()
     assert sink.used > 2000
@@ -253,74 +271,95 @@ class Radio(Datagrams):
 
 
 def test_datagrams_go_to_who_was_heard_and_no_longer_than_that():
-    sockets, wlan = Sockets(), Wlan()
-    radio = Radio(wlan, sockets, 9750)
-    encoder = Encoder(datagrams=True)
+    sockets, wlan, encoder = Sockets(), Wlan(), Encoder()
+    radio = Radio(wlan, sockets, 9750, encoder)
     radio.update(0)
-    assert radio.send(encoder, sealed(encoder), 0) and not radio.take(0) and sockets.sent == []
+    assert radio.send(sealed(encoder)) and not radio.take(0) and sockets.sent == []
     wlan.up = True
     radio.update(600_000)
     assert sockets.bound == ("0.0.0.0", 9750)
-    size = sealed(encoder, 33)
-    radio.announce(encoder, size)
+    sealed(encoder, 1000)
+    sealed(encoder, 33)
+    radio.announce(encoder)
     data, address = sockets.sent.pop()
-    assert address == ("255.255.255.255", 9751) and len(data) % 32 == 0 and decode(data)[0][0] == telemetry.LOG
-    assert radio.send(encoder, size, 0) and sockets.sent == []  # nobody listens
-    sockets.received.append((frame(telemetry.GREET, b"\1\0\0\0\1"), ("10.0.0.7", 4321)))
+    assert address == ("255.255.255.255", 9751) and len(data) == 64 and decode(data)[0][0] == protocol.LOG
+    assert not any(data[43:])  # nothing of the longer frame before is left
+    assert radio.send(encoder) and sockets.sent == []  # nobody listens
+    sockets.received.append((frame(protocol.GREET, b"\1\0\0\0\1"), ("10.0.0.7", 4321)))
     assert radio.take(700_000) and not radio.take(700_000)
     radio.heard(700_000)
-    assert radio.busy and radio.send(encoder, size, 700_000) and sockets.sent.pop()[1] == ("10.0.0.7", 4321)
+    assert radio.send(encoder) and sockets.sent.pop()[1] == ("10.0.0.7", 4321)
     radio.update(4_000_000)
-    assert not radio.busy and radio.send(encoder, size, 4_000_000) and sockets.sent == []
+    assert radio.send(encoder) and sockets.sent == []
+
+
+def test_the_longest_frame_fits_its_view():
+    sockets, encoder = Sockets(), Encoder()
+    radio = Radio(Wlan(), sockets, 9750, encoder)
+    radio._socket = sockets
+    assert radio.announce(sealed(encoder, 1390))
+    assert len(decode(sockets.sent.pop()[0])[0][2]) == 1390
 
 
 def test_a_radio_without_buffers_drops():
-    sockets, wlan = Sockets(), Wlan()
+    sockets, wlan, encoder = Sockets(), Wlan(), Encoder()
     wlan.up = True
-    radio = Radio(wlan, sockets, 9750)
+    radio = Radio(wlan, sockets, 9750, encoder)
     radio.update(0)
-    sockets.received.append((frame(telemetry.GREET, b"\1\0\0\0\1"), ("10.0.0.7", 4321)))
+    sockets.received.append((frame(protocol.GREET, b"\1\0\0\0\1"), ("10.0.0.7", 4321)))
     radio.take(0)
     radio.heard(0)
     sockets.fails = True
-    encoder = Encoder(datagrams=True)
-    assert not radio.send(encoder, sealed(encoder), 0)
+    assert not radio.send(sealed(encoder))
 
 
 def test_half_a_frame_in_a_datagram_is_forgotten():
     sockets, wlan = Sockets(), Wlan()
     wlan.up = True
-    radio = Radio(wlan, sockets, 9750)
+    radio = Radio(wlan, sockets, 9750, Encoder())
     radio.update(0)
-    whole = frame(telemetry.GREET, struct.pack("<IB", 1, 1))
+    whole = frame(protocol.GREET, struct.pack("<IB", 1, 1))
     for data in (whole[:9], b"", whole[9:], b"\xf7" * 256, whole):
         sockets.received.append((data, ("10.0.0.7", 1)))
     assert [radio.take(0) for _ in range(5)] == [False, False, False, False, True]
 
 
 class Network:
-    """The network module, writing down what is asked of it."""
+    """The network module, writing down what is asked of it. Faults: how often connect() fails; the network that is joined already; a key refused."""
 
     STA_IF, AP_IF, AUTH_WPA2_PSK = 0, 1, 3
 
-    def __init__(self):
-        self.asked = []
-        network = self
+    def __init__(self, fails=0, joined=None, refuses=False):
+        self.asked = asked = []
+        state = {"fails": fails, "ssid": joined}
 
         class WLAN:
             PM_NONE = 0
 
             def __init__(self, interface):
-                network.asked.append(("interface", interface))
+                asked.append(("interface", interface))
 
             def active(self, flag):
-                network.asked.append(("active", flag))
+                asked.append(("active", flag))
+
+            def isconnected(self):
+                return state["ssid"] is not None
+
+            def disconnect(self):
+                asked.append(("disconnect",))
 
             def connect(self, ssid, password):
-                network.asked.append(("connect", ssid, password))
+                asked.append(("connect", ssid, password))
+                if state["fails"]:
+                    state["fails"] -= 1
+                    raise OSError("Wifi Internal Error")
 
-            def config(self, **settings):
-                network.asked.append(("config", settings))
+            def config(self, what=None, **settings):
+                if what:
+                    return state[what]
+                if refuses and "key" in settings:
+                    raise OSError("Wifi Invalid Argument")
+                asked.append(("config", settings))
 
         self.WLAN = WLAN
 
@@ -334,12 +373,48 @@ class Wifi:
     wifi_access_point = False
 
 
+def connect(config, network):
+    """What link.wifi.connect() gives with this module in place of the board's."""
+    from link import wifi
+
+    before = sys.modules.get("network")
+    sys.modules["network"] = network
+    try:
+        return wifi.connect(config)
+    finally:
+        if before is None:
+            del sys.modules["network"]
+        else:
+            sys.modules["network"] = before
+
+
 def test_the_radio_joins_a_network_without_power_saving():
     network = Network()
-    start_radio(Wifi, network)
+    wlan, remark = connect(Wifi, network)
+    assert wlan is not None and remark is None
     assert network.asked == [
         ("hostname", "robot"), ("interface", 0), ("active", True), ("connect", "home", "secret12"), ("config", {"pm": 0}),
     ]  # fmt: skip
+
+
+def test_a_radio_that_is_still_joined_after_a_soft_reset_is_left_alone():
+    network = Network(fails=9, joined="home")
+    wlan, remark = connect(Wifi, network)
+    assert wlan.isconnected() and remark is None
+    assert [what[0] for what in network.asked] == ["hostname", "interface", "active", "config"]
+
+
+def test_a_radio_that_is_joined_to_another_network_changes_over():
+    network = Network(joined="other")
+    connect(Wifi, network)
+    assert network.asked[3:5] == [("disconnect",), ("connect", "home", "secret12")]
+
+
+def test_a_radio_that_is_just_joining_is_asked_twice():
+    wlan, remark = connect(Wifi, Network(fails=1))
+    assert wlan is not None and remark is None
+    wlan, remark = connect(Wifi, Network(fails=2))
+    assert wlan is not None and "Internal Error" in remark
 
 
 def test_the_radio_is_a_network():
@@ -351,8 +426,11 @@ def test_the_radio_is_a_network():
         wifi_access_point = True
 
     network = Network()
-    start_radio(Open, network)
-    assert ("interface", 1) in network.asked and ("config", {"ssid": "home"}) in network.asked
+    connect(Open, network)
+    assert ("interface", 1) in network.asked and ("config", {"ssid": "home", "security": 0}) in network.asked
     network = Network()
-    start_radio(Closed, network)
+    connect(Closed, network)
     assert ("config", {"ssid": "home", "key": "secret12", "security": 3}) in network.asked
+    network = Network(refuses=True)
+    wlan, remark = connect(Closed, network)
+    assert wlan is None and "wifi.password" in remark and network.asked[-1] == ("active", False)  # or it would be open to all

@@ -30,7 +30,7 @@ def keep(before, changes, trims=(0, 0, 0, 0)):
     with open(PATH, "w") as file:
         file.write(before)
     try:
-        settings = Settings(make(trims), Drive(), PATH)
+        settings = Settings(make(trims), Drive(), {}, PATH)
         for key, value in changes:
             settings.tune(key, value)
         settings.keep()
@@ -94,7 +94,7 @@ def test_a_file_that_is_no_longer_json_stays():
     for broken in ('{"avoid": {"margin": 15}', '{"avoid": {"margin" 15}}', "", '{"avoid": {"margin": "15}}'):
         with open(PATH, "w") as file:
             file.write(broken)
-        settings = Settings(make(), Drive(), PATH)
+        settings = Settings(make(), Drive(), {}, PATH)
         settings.tune("avoid.margin", 20)
         assert "not JSON" in refused(settings.keep)
         with open(PATH) as file:
@@ -103,25 +103,25 @@ def test_a_file_that_is_no_longer_json_stays():
 
 
 def test_a_refused_value_is_not_kept():
-    settings = Settings(make(), Drive(), PATH)
+    settings = Settings(make(), Drive(), {}, PATH)
     assert "0 .. 100" in refused(settings.tune, "avoid.margin", 999)
     assert settings._changed == {}
 
 
 def test_a_missing_file_is_said():
-    assert "cannot be written" in refused(Settings(make(), Drive(), "missing/robot.json").keep)
+    assert "cannot be written" in refused(Settings(make(), Drive(), {}, "missing/robot.json").keep)
 
 
 def test_pointing_needs_a_robot_that_stands():
     drive = Drive()
-    settings = Settings(make(), drive, PATH)
+    settings = Settings(make(), drive, {}, PATH)
     settings.point(0, 100)
     drive.stands = False
     assert "must stand" in refused(settings.point, 0, 100)
 
 
 def test_margins_count_from_the_next_start():
-    settings = Settings(make(), Drive(), PATH)
+    settings = Settings(make(), Drive(), {}, PATH)
     assert settings.tune("drive.cruise", 100) == ""
     for key, value in (("avoid.margin", 5), ("avoid.soft_margin", 40), ("windows.look_ahead", 800)):
         assert "next start" in settings.tune(key, value)

@@ -1,6 +1,7 @@
 """A robot with a radio and nothing else, for MicroPython: the firmware's own link over real sockets. Arguments: folder of the firmware's
 modules, UDP port. Prints each change of what it is asked to do, with its time in us."""
 
+import json
 import sys
 import time
 from array import array
@@ -9,8 +10,10 @@ sys.path.insert(0, sys.argv[1])
 
 import socket
 
+from link.auth import Signer
 from link.link import Link
 from link.radio import Datagrams
+from link.telemetry import Encoder
 
 
 class Wlan:
@@ -53,15 +56,12 @@ class Robot:
     took_us = 0
 
 
-carrier = Datagrams(Wlan(), socket, int(sys.argv[2]))
+encoder = Encoder()
+carrier = Datagrams(Wlan(), socket, int(sys.argv[2]), encoder)
 identity = {"robot": "gapseeker-0000", "board": "00ff", "firmware": "0"}
 
 
-class Settings:
-    """None is changed here."""
-
-
-link = Link(Config, Settings, identity, b"{}", [carrier], b"12345678", bytes(range(32)))
+link = Link(Config, json.dumps(identity).encode(), encoder, [carrier], b"12345678", Signer(bytes(range(32))))
 last = None
 while True:
     now = time.ticks_us()

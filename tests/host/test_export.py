@@ -11,16 +11,16 @@ from host.export import __main__ as command_line
 from host.export import frames, scans
 from host.recording import Decision, Header, Pose, Stream, Writer
 from link import frames as whole_frames
-from link import telemetry
+from link import protocol
 
 REASONS = ("waiting", "way ahead is free")
 ROBOT = json.dumps({"robot": {"width": 250, "length": 600}, "lidar": {"x": 10, "y": 20}})
 POINTS = 38
 TELEMETRY = [
-    whole_frames.frame(telemetry.POINTS, struct.pack("<IH2h2hBB", 5, 2, -125, 1000, 300, 0, 2, 4)),
-    whole_frames.frame(telemetry.POSE, struct.pack(telemetry.POSE_FORMAT, 5, 256 * 100, 256 * 200, 90_000)),
-    whole_frames.frame(telemetry.LOG, b"\x02" + "zu heiß".encode()),
-    whole_frames.frame(telemetry.DECISION, struct.pack(telemetry.DECISION_FORMAT, 7, 5, 1, 1, 0, 0, 99, 0, 255, 0, 32767, 32767, 0, 0)),
+    whole_frames.frame(protocol.POINTS, struct.pack("<IH2h2hBB", 5, 2, -125, 1000, 300, 0, 2, 4)),
+    whole_frames.frame(protocol.POSE, struct.pack(protocol.POSE_FORMAT, 5, 256 * 100, 256 * 200, 90_000)),
+    whole_frames.frame(protocol.LOG, b"\x02" + "zu heiß".encode()),
+    whole_frames.frame(protocol.DECISION, struct.pack(protocol.DECISION_FORMAT, 7, 5, 1, 1, 0, 0, 99, 0, 255, 0, 32767, 32767, 0, 0)),
 ]
 
 

@@ -18,8 +18,9 @@ import pytest
 from host import recording
 from host.link import AddressError, LinkError, connect, messages, radio
 from host.link import address as addresses
-from host.link.messages import telemetry, whole_frames
 from host.recording import Stream
+from link import frames as whole_frames
+from link import protocol
 
 from link import auth  # isort: skip
 
@@ -29,7 +30,7 @@ HELLO = b'{"robot": "gapseeker-0000", "board": "00ff", "firmware": "0.1.0", "ful
 
 
 def hello(counter=0, session=SESSION):
-    return whole_frames.frame(telemetry.HELLO, struct.pack(telemetry.HELLO_FORMAT, session, counter) + HELLO)
+    return whole_frames.frame(protocol.HELLO, struct.pack(protocol.HELLO_FORMAT, session, counter) + HELLO)
 
 
 @pytest.mark.parametrize(
@@ -82,30 +83,30 @@ def test_what_cannot_be_opened(text):
 
 
 def test_every_message_of_the_wire_becomes_a_dict():
-    decision = struct.pack(telemetry.DECISION_FORMAT, 7, 1_500_000, 1, 4, -300, 45, 108, 4, 255, 512, 10, -20, 2, 12345)
-    assert messages.decode(telemetry.DECISION, decision) == {
+    decision = struct.pack(protocol.DECISION_FORMAT, 7, 1_500_000, 1, 4, -300, 45, 108, 4, 255, 512, 10, -20, 2, 12345)
+    assert messages.decode(protocol.DECISION, decision) == {
         "type": "decision", "number": 7, "time": 1.5, "state": "auto", "mode": 4, "af": -30.0, "ar": 4.5, "v": 108, "window": 4, "zone": None,
         "free": 512, "block": [10, -20], "why": 2, "took": 12.345,
     }  # fmt: skip
-    wheels = struct.pack(telemetry.WHEELS_FORMAT + "4h4h", 0, 0, 0, 18 * 256, 2, 4, 0, 900, -900, 5, 16384, -16384, 8192, 0)
-    assert messages.decode(telemetry.WHEELS, wheels)["speeds"] == [256.0, -256.0, 128.0, 0.0]
+    wheels = struct.pack(protocol.WHEELS_FORMAT + "4h4h", 0, 0, 0, 18 * 256, 2, 4, 0, 900, -900, 5, 16384, -16384, 8192, 0)
+    assert messages.decode(protocol.WHEELS, wheels)["speeds"] == [256.0, -256.0, 128.0, 0.0]
     points = struct.pack("<IH2h2h2B", 5, 2, 1, -2, 3, -4, 0, 4)
-    assert messages.decode(telemetry.POINTS, points) == {"type": "points", "time": 5e-6, "x": [1, -2], "y": [3, -4], "window": [0, 4]}
+    assert messages.decode(protocol.POINTS, points) == {"type": "points", "time": 5e-6, "x": [1, -2], "y": [3, -4], "window": [0, 4]}
     scan = struct.pack("<IHHB3H", 5, 3550, 50, 3, 4000, 0, 2) + struct.pack("<IHHB1H", 6, 100, 100, 1, 8)
-    decoded = messages.decode(telemetry.SCAN, scan)
+    decoded = messages.decode(protocol.SCAN, scan)
     assert decoded["bearings"] == [355.0, 0.0, 5.0, 10.0] and decoded["distances"] == [1000.0, 0.0, 0.5, 2.0]
-    health = struct.pack(telemetry.HEALTH_FORMAT, 5000, 60000, 4000, 0, 120, 3, 2, 10, 11, 12, 13, 14)
-    decoded = messages.decode(telemetry.HEALTH, health)
+    health = struct.pack(protocol.HEALTH_FORMAT, 5000, 60000, 4000, 0, 120, 3, 2, 10, 11, 12, 13, 14)
+    decoded = messages.decode(protocol.HEALTH, health)
     assert decoded["battery"] is None and decoded["lidar_ok"] and decoded["chips"] and not decoded["radio"] and decoded["worst"] == 4.0
-    pose = messages.decode(telemetry.POSE, struct.pack(telemetry.POSE_FORMAT, 0, -256, 512, 90000))
+    pose = messages.decode(protocol.POSE, struct.pack(protocol.POSE_FORMAT, 0, -256, 512, 90000))
     assert (pose["x"], pose["y"], pose["heading"]) == (-1.0, 2.0, 90.0)
     values = (100, 0, -200, 0, 300, 65535)  # two candidates: AF, AR, free; the second was not looked at
     for variant, first in ((0, (10, -20)), (1, (-10, 20)), (2, (20, -10)), (3, (-20, 10))):
-        decoded = messages.decode(telemetry.CANDIDATES, struct.pack(telemetry.CANDIDATES_FORMAT + "4h2H", 0, variant, 1, 2, *values))
+        decoded = messages.decode(protocol.CANDIDATES, struct.pack(protocol.CANDIDATES_FORMAT + "4h2H", 0, variant, 1, 2, *values))
         assert (decoded["list"][0]["af"], decoded["list"][0]["ar"]) == first and decoded["backward"] == (variant > 1)
         assert [row["free"] for row in decoded["list"]] == [300, None] and [row["chosen"] for row in decoded["list"]] == [False, True]
-    assert messages.decode(telemetry.LOG, b"\1low")["text"] == "low"
-    reply = messages.decode(telemetry.REPLY, struct.pack(telemetry.REPLY_FORMAT, 3, telemetry.TUNE, telemetry.REFUSED) + b"no")
+    assert messages.decode(protocol.LOG, b"\1low")["text"] == "low"
+    reply = messages.decode(protocol.REPLY, struct.pack(protocol.REPLY_FORMAT, 3, protocol.TUNE, protocol.REFUSED) + b"no")
     assert reply == {"type": "reply", "counter": 3, "command": "tune", "status": "refused", "text": "no"}
 
 
@@ -135,13 +136,13 @@ def line():
 def test_over_a_serial_line(line):
     ours, address = line
     with connect(address) as link:
-        assert whole_frames.decode(os.read(ours, 100))[0][0] == telemetry.GREET
+        assert whole_frames.decode(os.read(ours, 100))[0][0] == protocol.GREET
         os.write(ours, b"MPY: soft reboot\r\n" + hello())
         assert link.wait_for("text")["text"] == "MPY: soft reboot"
         assert link.wait_for("hello")["robot"] == "gapseeker-0000"
         link.tune("avoid.margin", 20)
         kind, _, payload = whole_frames.decode(os.read(ours, 100))[0]
-        assert (kind, payload[4:]) == (telemetry.TUNE, b"avoid.margin=20")
+        assert (kind, payload[4:]) == (protocol.TUNE, b"avoid.margin=20")
 
 
 def test_an_unplugged_board_ends_the_link():
@@ -167,8 +168,8 @@ class RobotSocket:
     def receive(self):
         data, self.peer = self.socket.recvfrom(2048)
         ((kind, sequence, payload),) = whole_frames.decode(data)
-        signed = struct.pack("<BBHH", telemetry.VERSION, kind, sequence, len(payload)) + payload[:-8]
-        genuine = payload[-8:] == auth.tag(KEY, SESSION, signed)
+        signed = struct.pack("<BBHH", protocol.VERSION, kind, sequence, len(payload)) + payload[:-8]
+        genuine = payload[-8:] == auth.Signer(KEY).tag(SESSION, signed)
         return kind, struct.unpack_from("<I", payload)[0], genuine
 
 
@@ -181,17 +182,17 @@ def robot():
 
 def test_over_the_network_commands_are_signed_and_counted(robot):
     with radio.RadioLink("udp:", f"127.0.0.1:{robot.port}", key=KEY) as link:
-        assert robot.receive() == (telemetry.GREET, 1, False)  # asks for the session
+        assert robot.receive() == (protocol.GREET, 1, False)  # asks for the session
         robot.announce(counter=41)
         while not (received := robot.receive())[2]:
             pass
         kind, counter, _ = received
-        assert kind == telemetry.GREET and counter >= 42
+        assert kind == protocol.GREET and counter >= 42
         link.drive("stop")
-        while (received := robot.receive())[0] != telemetry.DRIVE:
+        while (received := robot.receive())[0] != protocol.DRIVE:
             pass
         assert received[1] > counter and received[2]
-        robot.socket.sendto(whole_frames.frame(telemetry.LOG, b"\0hi") + bytes(20), robot.peer)
+        robot.socket.sendto(whole_frames.frame(protocol.LOG, b"\0hi") + bytes(20), robot.peer)
         assert link.wait_for("log")["text"] == "hi"
 
 
@@ -203,7 +204,7 @@ def test_without_the_key_no_command_is_sent(robot, tmp_path, monkeypatch):
         link.drive("auto")
         robot.socket.settimeout(0.5)
         with pytest.raises(TimeoutError):
-            while robot.receive()[0] == telemetry.GREET:
+            while robot.receive()[0] == protocol.GREET:
                 pass
 
 
@@ -222,7 +223,7 @@ def recorded(tmp_path):
     header = recording.Header(firmware="1", robot="", source="twin:z?width=600&seed=2", reasons=("one", "two"))
     with recording.Writer(path, header) as writer:
         for k in range(30):
-            data = whole_frames.frame(telemetry.DECISION, struct.pack(telemetry.DECISION_FORMAT, k, k * 100_000, 1, 4, 0, 0, 108, 4, 0, 700, 32767, 0, 1, 5))
+            data = whole_frames.frame(protocol.DECISION, struct.pack(protocol.DECISION_FORMAT, k, k * 100_000, 1, 4, 0, 0, 108, 4, 0, 700, 32767, 0, 1, 5))
             writer.write(Stream.TELEMETRY, k * 100_000, data[:20])
             writer.write(Stream.TELEMETRY, k * 100_000 + 1000, data[20:])
             writer.write(Stream.POSE, k * 100_000, recording.Pose(k, 2 * k, 3).pack())
@@ -258,7 +259,7 @@ def test_a_link_counts_what_was_lost(line):
     with connect(address) as link:
         os.write(ours, hello())
         link.wait_for("hello")
-        os.write(ours, whole_frames.frame(telemetry.LOG, b"\0a", 1) + whole_frames.frame(telemetry.LOG, b"\0b", 5))
+        os.write(ours, whole_frames.frame(protocol.LOG, b"\0a", 1) + whole_frames.frame(protocol.LOG, b"\0b", 5))
         link.wait_for("log"), link.wait_for("log")
         assert link.lost == 3
 
@@ -308,7 +309,7 @@ def test_the_firmware_takes_no_orders_from_strangers(radio_robot):
         assert process.stdout.readline().endswith("1\n")
         link.drive("stop")
         assert process.stdout.readline().endswith("0\n")
-    go = [data for data in heard if data[3] == telemetry.DRIVE][1]
+    go = [data for data in heard if data[3] == protocol.DRIVE][1]
     with radio.RadioLink("udp:", f"127.0.0.1:{port}", key=bytes(32)) as stranger:
         stranger.wait_for("hello")
         for _ in range(20):

@@ -15,11 +15,12 @@ import pytest
 
 from host import recording
 from host.link.base import Link
-from host.link.messages import telemetry, whole_frames
 from host.monitor import text
 from host.monitor.server import Server
 from host.monitor.station import Station
 from host.recording import Stream
+from link import frames as whole_frames
+from link import protocol
 
 
 class Bench(Link):
@@ -35,15 +36,15 @@ class Bench(Link):
 
     def drives(self):
         """(what, AF, AR, V) of each DRIVE that was sent."""
-        return [struct.unpack(telemetry.DRIVE_FORMAT, payload)[1:] for kind, payload in self.sent if kind == telemetry.DRIVE]
+        return [struct.unpack(protocol.DRIVE_FORMAT, payload)[1:] for kind, payload in self.sent if kind == protocol.DRIVE]
 
 
 def decision(number, state=1):
-    packed = struct.pack(telemetry.DECISION_FORMAT, number, number * 100_000, state, 1, -300, 100, 108, 2, 3, 512, 125, 90, 1, 9000)
-    return whole_frames.frame(telemetry.DECISION, packed, number)
+    packed = struct.pack(protocol.DECISION_FORMAT, number, number * 100_000, state, 1, -300, 100, 108, 2, 3, 512, 125, 90, 1, 9000)
+    return whole_frames.frame(protocol.DECISION, packed, number)
 
 
-NAMES = whole_frames.frame(telemetry.NAMES, b'{"reasons": ["waiting", "steering through the gap"], "faults": ["well", "lidar is silent"]}')
+NAMES = whole_frames.frame(protocol.NAMES, b'{"reasons": ["waiting", "steering through the gap"], "faults": ["well", "lidar is silent"]}')
 
 
 @pytest.fixture
@@ -163,9 +164,9 @@ def test_commands_reach_the_robot(server, station):
     page.send({"do": "point", "wheel": 3, "angle": -4})
     page.send({"do": "drive", "what": "auto"})
     assert until(lambda: len(station.link.sent) >= 5)  # LIST came first
-    assert station.link.drives() == [(telemetry.MANUAL, -300, 125, 100), (telemetry.AUTO, 0, 0, 90)]
+    assert station.link.drives() == [(protocol.MANUAL, -300, 125, 100), (protocol.AUTO, 0, 0, 90)]
     kinds = [kind for kind, _ in station.link.sent]
-    assert kinds == [telemetry.LIST, telemetry.DRIVE, telemetry.TUNE, telemetry.POINT, telemetry.DRIVE]
+    assert kinds == [protocol.LIST, protocol.DRIVE, protocol.TUNE, protocol.POINT, protocol.DRIVE]
     page.close()
 
 
@@ -185,7 +186,7 @@ def test_a_closed_page_stops_a_robot_driven_by_hand(server, station):
     page.send({"do": "drive", "what": "manual", "v": 100})
     assert until(lambda: station.link.drives())
     page.close()
-    assert until(lambda: station.link.drives()[-1][0] == telemetry.STOPPED, 1.0)
+    assert until(lambda: station.link.drives()[-1][0] == protocol.STOPPED, 1.0)
 
 
 def test_a_closed_page_leaves_a_robot_alone_that_drives_itself(server, station):
@@ -194,7 +195,7 @@ def test_a_closed_page_leaves_a_robot_alone_that_drives_itself(server, station):
     assert until(lambda: station.link.drives())
     page.close()
     time.sleep(0.2)
-    assert station.link.drives() == [(telemetry.AUTO, 0, 0, 90)]
+    assert station.link.drives() == [(protocol.AUTO, 0, 0, 90)]
 
 
 def test_what_goes_over_the_link_is_recorded(server, station):
@@ -212,7 +213,7 @@ def test_what_goes_over_the_link_is_recorded(server, station):
     reader = recording.Reader(path)
     assert reader.header.reasons == ("waiting", "steering through the gap") and reader.header.clock == "host"
     assert [record.data for record in reader.stream(Stream.TELEMETRY)] == [decision(5)]
-    assert [whole_frames.decode(record.data)[0][0] for record in reader.stream(Stream.COMMAND)] == [telemetry.DRIVE]
+    assert [whole_frames.decode(record.data)[0][0] for record in reader.stream(Stream.COMMAND)] == [protocol.DRIVE]
     assert reader.cut is None
 
 
@@ -278,6 +279,6 @@ def test_terminal_keys_drive(station):
     for key, mode in ((" ", "1"), ("a", "1"), ("\x1b[A", "1"), ("\x1b[D", "1"), ("\x1b[C", "4"), ("\x1b[C", "5"), ("x", "1")):
         text._obey(station, key, mode)
     assert station.link.drives() == [
-        (telemetry.STOPPED, 0, 0, 90), (telemetry.AUTO, 0, 0, 90), (telemetry.MANUAL, 0, 0, 105), (telemetry.MANUAL, -600, 600, 90),
-        (telemetry.MANUAL, 900, -900, 105), (telemetry.MANUAL, 900, 900, 105),
+        (protocol.STOPPED, 0, 0, 90), (protocol.AUTO, 0, 0, 90), (protocol.MANUAL, 0, 0, 105), (protocol.MANUAL, -600, 600, 90),
+        (protocol.MANUAL, 900, -900, 105), (protocol.MANUAL, 900, 900, 105),
     ]  # fmt: skip

@@ -247,7 +247,7 @@ import("/geometry.js").then((g) => {
 
 def test_the_page_s_geometry_is_the_robot_s(monitor):
     """Wheel angles against the firmware's steering; swept ways against small steps."""
-    from link import telemetry  # noqa: F401  makes sure that the firmware's modules can be imported
+    from link import protocol  # noqa: F401  makes sure that the firmware's modules can be imported
     from steering import Steering
 
     page = monitor("twin:z?width=620")

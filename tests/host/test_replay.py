@@ -5,12 +5,13 @@ import shutil
 import pytest
 
 from host.link import messages
-from host.link.messages import telemetry, whole_frames
 from host.recording import Decision, Header, Reader, Stream, Writer
 from host.replay import __main__ as command_line
 from host.replay import compare, table
 from host.replay.tape import Log
 from host.twin import Watch, cli, image, recorder, run
+from link import frames as whole_frames
+from link import protocol
 
 SECONDS = 6
 
@@ -80,10 +81,10 @@ class Hand(Watch):
         self._next += 100_000
         self._sent += 1
         if self._sent < 20:
-            return whole_frames.frame(telemetry.DRIVE, messages.drive(self._sent, "manual", 20, -20, 108))
+            return whole_frames.frame(protocol.DRIVE, messages.drive(self._sent, "manual", 20, -20, 108))
         if self._sent == 20:
-            return whole_frames.frame(telemetry.TUNE, messages.tune(self._sent, "avoid.margin", 19))
-        return whole_frames.frame(telemetry.DRIVE, messages.drive(self._sent, "auto"))
+            return whole_frames.frame(protocol.TUNE, messages.tune(self._sent, "avoid.margin", 19))
+        return whole_frames.frame(protocol.DRIVE, messages.drive(self._sent, "auto"))
 
 
 @pytest.fixture(scope="module")

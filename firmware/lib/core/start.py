@@ -43,7 +43,7 @@ def _build(path):
 
     avoid = Avoid(config)  # its tables are the largest objects: they come while the heap is still in one piece
     drive = _drive(config, enable)
-    link = _link(config, drive, wlan, remark)
+    link = _link(config, wlan, remark)
     robot = _robot(config, avoid, drive, link, lidar_line, screen_line)
     config.once = None
     unload("core.start", "core.version")
@@ -115,14 +115,11 @@ def _drive(config, enable):
     return drive
 
 
-def _link(config, drive, wlan, remark):
-    from link import reason_texts
+def _link(config, wlan, remark):
     from link.start import start_link
-    from params.settings import Settings
 
-    names = reason_texts.names()
-    link = start_link(config, Settings(config, drive), names, machine, wlan, remark)
-    unload("link.reason_texts", "link.start")
+    link = start_link(config, machine, wlan, remark)
+    unload("link.start")
     return link
 
 

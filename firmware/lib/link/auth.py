@@ -19,28 +19,33 @@ SESSION = 8
 _BLOCK = 64
 
 
-def hmac_sha256(key, message):
-    """HMAC of RFC 2104; MicroPython has the hash, but no hmac module."""
-    if len(key) > _BLOCK:
-        key = sha256(key).digest()
-    key = key + bytes(_BLOCK - len(key))
-    inner = sha256(bytes([byte ^ 0x36 for byte in key]))
-    inner.update(message)
-    outer = sha256(bytes([byte ^ 0x5C for byte in key]))
-    outer.update(inner.digest())
-    return outer.digest()
+class Signer:
+    """HMAC of RFC 2104 under one key; MicroPython has the hash, but no hmac module. What depends on the key alone is made once."""
 
+    def __init__(self, key):
+        if len(key) > _BLOCK:
+            key = sha256(key).digest()
+        key = key + bytes(_BLOCK - len(key))
+        self._inner = bytes([byte ^ 0x36 for byte in key])
+        self._outer = bytes([byte ^ 0x5C for byte in key])
 
-def tag(key, session, signed):
-    """The tag of a command; signed: bytes of its frame from the version to the end of the payload, the tag left out."""
-    return hmac_sha256(key, bytes(session) + bytes(signed))[:TAG]
+    def digest(self, *parts):
+        """HMAC-SHA256 of the parts, one after the other."""
+        inner = sha256(self._inner)
+        for part in parts:
+            inner.update(part)
+        outer = sha256(self._outer)
+        outer.update(inner.digest())
+        return outer.digest()
 
+    def tag(self, session, covered):
+        """The tag of a command; covered: bytes of its frame from the version to the end of the payload, the tag left out."""
+        return self.digest(session, covered)[:TAG]
 
-def same(left, right):
-    """True when equal, taking the same time wherever they differ."""
-    if len(left) != len(right):
-        return False
-    different = 0
-    for i in range(len(left)):
-        different |= left[i] ^ right[i]
-    return different == 0
+    def signed(self, session, covered, tag):
+        """True when the tag is right; it takes the same time wherever it is wrong."""
+        right = self.tag(session, covered)
+        different = len(right) ^ len(tag)
+        for i in range(min(len(right), len(tag))):
+            different |= right[i] ^ tag[i]
+        return different == 0

@@ -3,7 +3,8 @@
 import struct
 
 from core.crc16 import crc16
-from link.telemetry import SYNC, VERSION, Decoder
+from link.protocol import HEADER, MAX_PAYLOAD, SYNC, VERSION
+from link.telemetry import Decoder
 
 
 def frame(kind, payload, sequence=0):
@@ -12,16 +13,26 @@ def frame(kind, payload, sequence=0):
     return SYNC + body + struct.pack("<H", crc16(body, 0, len(body)))
 
 
+class FrameReader:
+    """Takes a stream apart: give `read` its bytes in any pieces. stray: as for Decoder; errors: frames whose check failed."""
+
+    def __init__(self, stray=None):
+        self._decoder = Decoder(MAX_PAYLOAD, stray)
+
+    @property
+    def errors(self):
+        return self._decoder.errors
+
+    def read(self, data):
+        """(type, sequence, payload) of each frame that is whole with these bytes."""
+        decoder = self._decoder
+        for byte in data:
+            more = decoder.add(byte)
+            while more:
+                yield decoder.kind, decoder.sequence, bytes(decoder.data[HEADER : decoder.end])
+                more = decoder.take()
+
+
 def decode(data):
     """[(type, sequence, payload)] of all whole frames in data."""
-    decoder = Decoder()
-    found = []
-    at = 0
-    while True:
-        while decoder.take():
-            found.append((decoder.kind, decoder.sequence, bytes(decoder.data[decoder.start : decoder.end])))
-        count = min(decoder.room(), len(data) - at)
-        if count <= 0:
-            return found
-        decoder.feed(data, at, count)
-        at += count
+    return list(FrameReader().read(data))

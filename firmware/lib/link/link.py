@@ -1,98 +1,88 @@
 """The robot's link to people: says what it does, hears what they want, over USB and, if there are credentials, over WiFi.
 
-    link = link_start.start_link(config, settings, names, machine)       or Link(...), with the carriers handed in
-    link.update(now_us, robot)        once a loop; never waits, at most one message a call and carrier
+    link = start_link(config, settings, ...)       see start.py
+    link.update(now_us, robot)        once a loop; never waits, at most one message a call
     link.frame(lidar)                 after each frame of the lidar
     link.state, link.af, link.ar, link.v    what is asked for: telemetry.STOPPED, AUTO, MANUAL; AF, AR (0.1 deg) and V count in MANUAL
 
 robot has
     avoid, drive, odometry, lidar, health     as in docs/architecture.md
     took_us                          computing time that went into the latest decision
+    off()                            before it starts anew
 
-What is told again and again is dropped, and counted, when a carrier is too slow for it; what is told once waits for room.
+One message is under way at a time. What is told again and again tells the latest when its turn comes, and what was passed over is counted in
+`dropped`; what is told once waits. A long message is put together in one call and sealed in the next, as both together would take too long.
 """
 
+from struct import pack_into
 from time import ticks_diff
 
 from micropython import const
 
-from link import telemetry
+from core.unload import forget
+from link import messages
 from link.commands import Commands
-from link.messages import Messages, ScanGatherer, parameters
-from link.telemetry import Encoder
+from link.telemetry import STOPPED
 from safety.health import STOP_BUTTON
 
-# How often each message goes out. Together they keep within half of what the USB line carries, scans not counted.
+# What is told again and again, and how often; together within half of what the USB line carries, scans not counted
+_HELLO = const(0)
+_WHEELS = const(1)
+_POINTS = const(2)
+_HEALTH = const(3)
+_CANDIDATES = const(4)
+_ANSWER = const(5)
+_KINDS = const(6)
+_HELLO_US = const(1_000_000)
 _WHEELS_US = const(50_000)
 _POINTS_US = const(150_000)
 _POINT_US = const(1500)  # more points come less often
 _HEALTH_US = const(500_000)
 _CANDIDATES_US = const(250_000)
-_HELLO_US = const(1_000_000)
-_NAMES_HELLOS = const(8)
+
+_LOG = const(0x08)  # types of messages
+_GREET = const(0x47)
+_REPLY = const(0x0B)
+_REPLY_SIZE = const(6)
+_AT = const(8)  # place of the payload
+_SCANS_WANTED = const(1)  # flags of WATCH
+_CANDIDATES_WANTED = const(2)
+
 _LONG_US = const(1_000_000)  # a press of the stop button that lets a standing robot drive
-_WAITING = const(6)  # replies and lines of the log kept until there is room
+_WAITING = const(6)  # lines of the log kept until there is room
+_QUIET_US = const(2_000_000)  # without a rare command: their module is let go
+_RESTART_US = const(200_000)  # for the reply to get out
 
 
-class Link:
+class Link(Commands):
     """See above.
 
-    settings: Settings; identity, names: see Messages; carriers: list of SerialLine and Datagrams; session, key: see Commands.
+    config: Config; session, signer: see Commands; identity: the HELLO's JSON, bytes; encoder: Encoder;
+    carriers: list of SerialLine and Datagrams.
     """
 
-    def __init__(self, config, settings, identity, names, carriers, session, key=None):
+    def __init__(self, config, identity, encoder, carriers, session, signer=None):
+        super().__init__(config, session, signer)
+        self._identity = identity
+        self._encoder = encoder
         self._carriers = carriers
-        self._session = session
-        self._commands = Commands(session, key)
-        self.radio = any(carrier.signed for carrier in carriers)
-        self._encoder = Encoder(datagrams=self.radio)
-        self._report = Messages(self._encoder, identity, names)
-        self._scan = ScanGatherer(config.lidar_frames)
-        self._settings = settings
-        self._config = config
         self.dropped = 0
-        self._decisions = -1
-        self._wheels_us = self._points_us = self._health_us = self._hello_us = self._answered_us = self._candidates_us = None
-        self._side = 0
+        self._told_us = [None] * _KINDS  # when each was told last
+        self._decisions = self._points_of = -1
         self._pose_next = False
-        self._points_of = -1
-        self._hellos = 0
-        self._names_due = True
-        self._replies = []
+        self._unsealed = 0  # payload's length of the long message that has been put together
+        self._names_due = False
+        self._asker = None  # the carrier over which somebody asked without knowing the session
+        self._logs = []
         self._drive_fault = ""
+        self._battery_low = False
         self._pressed_us = None  # since when the stop button is held
         self._stood = False  # before it was
-        self._battery_low = False
-        self._logs = []
-
-    @property
-    def state(self):
-        return self._commands.state
-
-    @property
-    def manual(self):
-        """True while the robot is driven by hand."""
-        return self._commands.state == telemetry.MANUAL
-
-    @property
-    def af(self):
-        return self._commands.af
-
-    @property
-    def ar(self):
-        return self._commands.ar
-
-    @property
-    def v(self):
-        return self._commands.v
-
-    def stop(self):
-        """Stand until told otherwise, as after the command to stop."""
-        self._commands.stop()
-
-    def drive_itself(self):
-        """Drive on its own, as after the command."""
-        self._commands.state = telemetry.AUTO
+        self._turn = config.lidar_frames  # of the lidar; told at the start only
+        self._watched = self._scan = None  # the module, while wanted; its ScanGatherer
+        self._wanted = self._side = 0
+        self._rare = None  # the module requests.py
+        self._rare_us = 0
 
     def log(self, level, text):
         """Queue a line for the log: level 0 information, 1 warning, 2 error; text a str. Allocates; not for every loop."""
@@ -103,54 +93,68 @@ class Link:
 
     def frame(self, lidar):
         """Take note of a lidar frame, for those who want raw scans."""
-        if self._commands.watch & 1:
-            if self._scan.ready:
+        scan = self._scan
+        if scan is not None:
+            if scan.ready:
                 self.dropped += 1  # there was no room for it in time
-            self._scan.add(lidar)
+            scan.add(lidar)
 
     def update(self, now_us, robot):
-        """Hear commands, send one message. KeyboardInterrupt after a Ctrl-C on USB."""
-        commands = self._commands
-        listened = False
-        for carrier in self._carriers:
-            carrier.update(now_us)
-            listened = listened or carrier.busy
-            while carrier.take(now_us):
-                if commands.obey(carrier.decoder, carrier.signed, now_us, self._settings):
-                    carrier.heard(now_us)
-                    if len(self._replies) < _WAITING:
-                        self._replies.append(commands.reply)
-                elif carrier.decoder.kind == telemetry.GREET and carrier.signed:
-                    self._answer(carrier, now_us)
-        commands.expire(now_us)
+        """Hear commands, go on with a message. KeyboardInterrupt after a Ctrl-C on USB."""
+        idle = True
+        for line in self._carriers:
+            line.update(now_us)
+            idle = idle and line.idle()
+            while line.take(now_us):
+                self._hear(line, now_us, robot)
+        self.expire(now_us)
         if robot.health is not None:
             self._button(now_us, robot.health.fault == STOP_BUTTON)
         self._remark(robot)
-        if self._due(now_us, self._hello_us, _HELLO_US) or commands.greeted:
-            self._hello(now_us)
-        elif listened:
-            size = 0
-            waits = self._replies or self._logs or self._names_due or commands.listing >= 0
-            room = self._has_room()
-            if waits and room:
-                size = self._once()
-            if not size:
-                size = self._again(now_us, robot)
-            if not size and room and not waits:  # these would leave no room for what waits
-                size = self._bulky(now_us, robot)
-            if size:
-                self._send(size, now_us)
-
-    def _answer(self, carrier, now_us):
-        """Tell the session to one who greets without it: broadcasts do not reach everyone. Once a second, so that nobody gains by asking."""
-        if self._due(now_us, self._answered_us, _HELLO_US):
-            self._answered_us = now_us
-            carrier.answer(self._encoder, self._report.hello(self._session, self._commands.counter))
+        if idle and self._unsealed:
+            self._send(self._unsealed)
+            self._unsealed = 0
+        elif idle:
+            self._tell(now_us, robot)
+        if self._rare is not None and ticks_diff(now_us, self._rare_us) > _QUIET_US and self.listing < 0:
+            self._rare = None
+            forget("link.requests", "params.settings")
+        if self.restarting and ticks_diff(now_us, self._rare_us) > _RESTART_US:
+            self.rare(now_us).restart(robot)
 
     def close(self):
         """Give the carriers back, Ctrl-C among them."""
-        for carrier in self._carriers:
-            carrier.close()
+        for line in self._carriers:
+            line.close()
+
+    def rare(self, now_us):
+        if self._rare is None:
+            from link import requests
+
+            self._rare = requests
+        self._rare_us = now_us
+        return self._rare
+
+    def watch(self, flags):
+        if flags & (_SCANS_WANTED | _CANDIDATES_WANTED):
+            if self._watched is None:
+                from link import watched
+
+                self._watched = watched
+            if not flags & _SCANS_WANTED:
+                self._scan = None
+            elif self._scan is None:
+                self._scan = self._watched.ScanGatherer(self._turn)
+        elif self._watched is not None:
+            self._watched = self._scan = None
+            forget("link.watched")
+        self._wanted = flags
+
+    def _hear(self, line, now_us, robot):
+        if self.obey(line, now_us, robot):
+            line.heard(now_us)
+        elif line.signed and line.decoder.kind == _GREET:
+            self._asker = line  # broadcasts do not reach everyone
 
     def _remark(self, robot):
         """Put into the log what should not be missed."""
@@ -167,100 +171,110 @@ class Link:
 
     def _button(self, now_us, pressed):
         """The stop button is a command to stop, and like one it counts until there is another. Pressed long, it lets a standing robot drive."""
-        commands = self._commands
         if pressed:
             if self._pressed_us is None:
                 self._pressed_us = now_us
-                self._stood = commands.state == telemetry.STOPPED
+                self._stood = self.state == STOPPED
                 self.log(1, "stopped by its button; auto, driving by hand, or another press of a second lets it go on")
-            commands.stop()
+            self.stop()
         elif self._pressed_us is not None:
             if self._stood and ticks_diff(now_us, self._pressed_us) >= _LONG_US:
                 self.drive_itself()
             self._pressed_us = None
 
-    def _has_room(self):
-        """Whether every carrier takes any message now."""
-        for carrier in self._carriers:
-            if carrier.room() < telemetry.MAX_FRAME:
-                return False
-        return True
+    def _tell(self, now_us, robot):
+        """Put the next message together, if there is one, and send it unless it is long."""
+        data = self._encoder.data
+        if self.greeted or self._is_due(_HELLO, now_us, _HELLO_US):
+            self._hello(data, now_us)
+        elif self._asker is not None:
+            self._answer(data, now_us)
+        else:
+            length = self._once(data, now_us) or self._again(data, now_us, robot)
+            if length:
+                self._send(length)
+            else:
+                self._unsealed = self._long(data, now_us, robot)
 
-    def _once(self):
-        """Compose the next of the messages that are told once and must not be lost; 0 when there is none."""
-        report, commands = self._report, self._commands
-        if self._replies:
-            return report.reply(*self._replies.pop(0))
+    def _hello(self, data, now_us):
+        self._told_us[_HELLO] = now_us
+        self._names_due = self._names_due or self.greeted
+        self.greeted = False
+        self._send(messages.hello(data, self.session, self.counter, self._identity))
+        for line in self._carriers:
+            if line.signed:
+                line.announce(self._encoder)
+
+    def _answer(self, data, now_us):
+        """Tell the session to one who greets without it. Once a second, so that nobody gains by asking."""
+        line = self._asker
+        self._asker = None
+        if self._is_due(_ANSWER, now_us, _HELLO_US):
+            self._told_us[_ANSWER] = now_us
+            self._encoder.seal(messages.hello(data, self.session, self.counter, self._identity))
+            line.answer(self._encoder)
+
+    def _once(self, data, now_us):
+        """The next of the messages that are told once and must not be lost; the length of its payload, 0 when there is none."""
+        if self.replies:
+            counter, kind, status, text = self.replies.pop(0)
+            pack_into("<IBB", data, _AT, counter, kind, status)
+            return messages.text(_REPLY, data, _REPLY_SIZE, text)
         if self._logs:
-            level, text = self._logs.pop(0)
-            return report.log(level, text)
+            data[_AT], text = self._logs.pop(0)
+            return messages.text(_LOG, data, 1, text)
         if self._names_due:
             self._names_due = False
-            return report.names()
-        if commands.listing >= 0:
-            number = commands.listing
-            commands.listing = number + 1 if number + 1 < parameters(self._config) else -1
-            return report.parameter(self._config, number)
+            return self.rare(now_us).names(data)
+        if self.listing >= 0:
+            length, total = self.rare(now_us).parameter(data, self.config, self.listing)
+            self.listing = self.listing + 1 if self.listing + 1 < total else -1
+            return length
         return 0
 
-    def _again(self, now_us, robot):
-        """Compose the most urgent of the short messages that are told again and again; 0 when none is due."""
-        report = self._report
+    def _again(self, data, now_us, robot):
+        """The most urgent of the short messages that are told again and again; 0 when none is due."""
         avoid = robot.avoid
-        if avoid.decisions != self._decisions:
-            self._decisions = avoid.decisions
-            return report.decision(avoid, self._commands.state, now_us, robot.took_us)
-        if self._due(now_us, self._wheels_us, _WHEELS_US):
-            self._wheels_us = now_us
+        decisions = avoid.decisions
+        if decisions != self._decisions:
+            if self._decisions >= 0:
+                self.dropped += decisions - self._decisions - 1
+            self._decisions = decisions
+            return messages.decision(data, avoid, self.state, now_us, robot.took_us)
+        if self._is_due(_WHEELS, now_us, _WHEELS_US):
+            self._told_us[_WHEELS] = now_us
             self._pose_next = True
-            return report.wheels(robot.drive, now_us)
+            return messages.wheels(data, robot.drive, now_us)
         if self._pose_next:
             self._pose_next = False
-            return report.pose(robot.odometry, now_us)
-        if robot.health is not None and self._due(now_us, self._health_us, _HEALTH_US):
-            self._health_us = now_us
-            return report.health(robot.health, robot.lidar, self.dropped, self._commands.refused, self.radio)
+            return messages.pose(data, robot.odometry, now_us)
+        if robot.health is not None and self._is_due(_HEALTH, now_us, _HEALTH_US):
+            self._told_us[_HEALTH] = now_us
+            return messages.health(data, robot.health, robot.lidar, self.dropped, self.refused, len(self._carriers) > 1)
         return 0
 
-    def _bulky(self, now_us, robot):
-        """Compose the most urgent of the long messages; 0 when none is due."""
-        report, commands = self._report, self._commands
+    def _long(self, data, now_us, robot):
+        """The most urgent of the long messages; 0 when none is due."""
         avoid = robot.avoid
-        if (
-            avoid.points_count >= 0
-            and self._points_of != self._decisions
-            and self._due(now_us, self._points_us, max(_POINTS_US, avoid.points_count * _POINT_US))
-        ):
-            self._points_us = now_us
+        count = avoid.points_count
+        if count >= 0 and self._points_of != self._decisions and self._is_due(_POINTS, now_us, max(_POINTS_US, count * _POINT_US)):
+            self._told_us[_POINTS] = now_us
             self._points_of = self._decisions
-            return report.points(avoid, now_us)
-        if self._scan.ready:
-            return self._scan.take(self._encoder)
-        if commands.watch & 2 and self._due(now_us, self._candidates_us, _CANDIDATES_US):
-            self._candidates_us = now_us
+            return messages.points(data, avoid, now_us)
+        if self._scan is not None and self._scan.ready:
+            return self._scan.take(data)
+        if self._wanted & _CANDIDATES_WANTED and self._is_due(_CANDIDATES, now_us, _CANDIDATES_US):
+            self._told_us[_CANDIDATES] = now_us
             self._side = 1 - self._side
-            return report.candidates(avoid, self._side | (2 if avoid.v < 90 else 0), now_us)
+            return self._watched.candidates(data, avoid, self._side | (2 if avoid.v < 90 else 0), now_us)
         return 0
 
-    def _hello(self, now_us):
-        self._hello_us = now_us
-        self._hellos += 1
-        if self._commands.greeted or self._hellos % _NAMES_HELLOS == 0:
-            self._names_due = True
-        self._commands.greeted = False
-        size = self._report.hello(self._session, self._commands.counter)
-        for carrier in self._carriers:
-            if carrier.signed:
-                carrier.announce(self._encoder, size)
-            self._send_to(carrier, size, now_us)
+    def _send(self, length):
+        self._encoder.seal(length)
+        for line in self._carriers:
+            if not line.send(self._encoder):
+                self.dropped += 1
 
-    def _send(self, size, now_us):
-        for carrier in self._carriers:
-            self._send_to(carrier, size, now_us)
-
-    def _send_to(self, carrier, size, now_us):
-        if not carrier.send(self._encoder, size, now_us):
-            self.dropped += 1
-
-    def _due(self, now_us, last_us, period_us):
+    def _is_due(self, kind, now_us, period_us):
+        last_us = self._told_us[kind]
         return last_us is None or ticks_diff(now_us, last_us) >= period_us

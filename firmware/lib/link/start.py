@@ -1,5 +1,6 @@
 """Puts the robot's link together, once at the start."""
 
+import json
 import os
 
 from micropython import const
@@ -7,33 +8,46 @@ from micropython import const
 from core.version import VERSION
 from link.link import Link
 from link.serial_line import SerialLine
+from link.telemetry import Encoder
 
 _SESSION = const(8)  # auth.SESSION; that module is loaded only where there is a key
 
 
-def start_link(config, settings, names, machine, wlan=None, remark=None):
+def start_link(config, machine, wlan=None, remark=None):
     """Link over USB and, if robot.json names a network, over WiFi. Without it the radio is never touched.
 
-    names: see Messages; machine: the module; wlan, remark: of link.wifi.connect(). Commands over WiFi need the file network.key; without it
-    they are all refused.
+    machine: the module; wlan, remark: of link.wifi.connect(). Commands over WiFi need the file network.key; without it they are all refused.
     """
+    encoder = Encoder()
     carriers = [SerialLine()]
-    key = None
     remarks = [remark] if remark else []
+    signer = None
     if wlan is not None:
         import socket
 
         from link.radio import Datagrams
 
-        carriers.append(Datagrams(wlan, socket, config.wifi_port))
+        carriers.append(Datagrams(wlan, socket, config.wifi_port, encoder))
     if config.wifi_ssid:
         try:
             with open("network.key", "rb") as file:
                 key = file.read()
+            from link.auth import Signer
+
+            signer = Signer(key)
         except OSError:
             remarks.append("no network.key: commands over WiFi are refused; make deploy puts one on the board")
+    identity = json.dumps(_identity(config, machine)).encode()
+    link = Link(config, identity, encoder, carriers, os.urandom(_SESSION), signer)
+    for remark in remarks:
+        link.log(1, remark)
+    return link
+
+
+def _identity(config, machine):
+    """The HELLO's JSON as a dict."""
     board = machine.unique_id().hex()
-    identity = {
+    return {
         "firmware": VERSION,
         "robot": "gapseeker-" + board[-4:],
         "board": board,
@@ -46,7 +60,3 @@ def start_link(config, settings, names, machine, wlan=None, remark=None):
         "full_speed": config.motors_full_speed,
         "lidar": [config.lidar_x, config.lidar_y],
     }
-    link = Link(config, settings, identity, names, carriers, os.urandom(_SESSION), key)
-    for remark in remarks:
-        link.log(1, remark)
-    return link

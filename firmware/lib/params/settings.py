@@ -5,21 +5,23 @@ import json
 from core.unload import unload
 
 # The planner's tables are made for these: new ones would take seconds, in which the robot stands.
-_LATER = ("avoid.margin", "avoid.soft_margin", "windows.look_ahead")
+NEXT_START = ("avoid.margin", "avoid.soft_margin", "windows.look_ahead")
 
 
 class Settings:
     """Applies changes to a Config at once, and writes them to robot.json when asked.
 
-    config: Config; drive: has `stop()` and `point(wheel, angle)`.
-    path: the robot.json that the config was read from.
+    config: Config; drive: has `stop()` and `point(wheel, angle)`; changed: dict of what has been tuned since the start, kept by whoever made
+    this. path: the robot.json that the config was read from.
+
+    Loaded when somebody changes something, and let go after (link/requests.py).
     """
 
-    def __init__(self, config, drive, path="robot.json"):
+    def __init__(self, config, drive, changed, path="robot.json"):
         self._config = config
         self._drive = drive
         self._path = path
-        self._changed = {}
+        self._changed = changed
 
     def tune(self, key, value):
         """Change a parameter, value as in robot.json. ValueError tells what is allowed; nothing is changed then.
@@ -35,7 +37,7 @@ class Settings:
             change = None
             unload("params.change", "params.values")
         self._changed[key] = value
-        return "counts from the next start: keep it, then restart" if key in _LATER else ""
+        return "counts from the next start: keep it, then restart" if key in NEXT_START else ""
 
     def point(self, wheel, angle):
         """Turn one wheel alone, 0.1 deg. ValueError unless the robot stands."""

@@ -14,7 +14,6 @@ import builtins
 import os
 import sys
 
-
 import lockstep
 import prices
 from micropython import const
@@ -491,24 +490,22 @@ def _link(self, now_us, robot):
 
 
 @_wraps(_SEAL, "link.telemetry:Encoder.seal")
-def _seal(self, kind, length):
+def _seal(self, length):
     global _sealed
     enter()
     _sealed += length
-    out = _originals[_SEAL](self, kind, length)
+    _originals[_SEAL](self, length)
     leave(_SEAL, length, 0)
-    return out
 
 
-@_wraps(_LINE, "link.serial_line:SerialLine.update")
-def _line(self, now_us):
+@_wraps(_LINE, "link.serial_line:SerialLine.go_on")
+def _line(self):
     enter()
-    before = self.room()
-    _originals[_LINE](self, now_us)
-    written = self.room() - before
+    written = _originals[_LINE](self)
     leave(_LINE, 1 if written else 0, written)
     if written:
         _write(written)
+    return written
 
 
 @_wraps(_TAKE, "link.serial_line:SerialLine.take")

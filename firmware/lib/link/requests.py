@@ -1,0 +1,85 @@
+"""Commands that are given now and then: change a parameter, keep, list, point a wheel, start anew. Loaded when the first comes, let go after."""
+
+import json
+import struct
+
+from micropython import const
+
+from link import messages
+from params.settings import NEXT_START, Settings
+
+_PARAMETER = const(0x07)
+_TUNE = const(0x42)
+_KEEP = const(0x43)
+_POINT = const(0x46)
+_RESTART = const(0x48)
+_NAMES = const(0x0C)
+
+
+def carry_out(link, kind, payload, robot):
+    """Do what the command asks; returns the text of its REPLY. ValueError when it cannot be done, with a text for the person.
+
+    payload: without the tag; the counter is its first 4 bytes. link: the Link.
+    """
+    settings = Settings(link.config, robot.drive, link.changed)
+    if kind == _TUNE:
+        return _tune(settings, bytes(payload[4:]).decode())
+    if kind == _KEEP:
+        settings.keep()
+    elif kind == _POINT:
+        if len(payload) < 7:
+            raise ValueError("%d bytes are too few" % len(payload))
+        link.stop()
+        settings.point(*struct.unpack_from("<Bh", payload, 4))
+    elif kind == _RESTART:
+        if robot.drive.v256:
+            raise ValueError("it restarts only while it stands: stop it first")
+        link.stop()
+        link.restarting = True
+    return ""
+
+
+def _tune(settings, text):
+    key, equals, value = text.partition("=")
+    if not equals:
+        raise ValueError("write key=value")
+    try:
+        value = json.loads(value)
+    except ValueError:
+        raise ValueError("%s: %s is no value as in JSON" % (key, value)) from None
+    return settings.tune(key.strip(), value)
+
+
+def restart(robot):
+    """Start anew; nothing must turn meanwhile. Does not return on the board."""
+    import machine
+
+    robot.off()
+    machine.reset()
+
+
+def parameter(data, config, number):
+    """PARAMETER number `number` into the encoder's data: those of config.live, then the servos' trims. Returns (length, how many there are)."""
+    live = len(config.live)
+    total = live + 2 * config.axles
+    if number < live:
+        name = config.live[number]
+        key = name.replace("_", ".", 1)
+        low, high = config.limits[2 * number], config.limits[2 * number + 1]
+        value = getattr(config, name)
+    else:
+        wheel = number - live
+        key, low, high = "servos.trims.%d" % wheel, -20, 20
+        value = config.servos_trims[wheel] / 10
+    row = {"key": key, "value": value, "low": low, "high": high, "number": number, "of": total, "restart": key in NEXT_START}
+    return messages.text(_PARAMETER, data, 0, json.dumps(row).encode()), total
+
+
+def names(data):
+    """NAMES into the encoder's data; returns its length."""
+    from core.unload import forget
+    from link.reason_texts import names
+
+    length = messages.text(_NAMES, data, 0, names())
+    forget("link.reason_texts")
+    return length
