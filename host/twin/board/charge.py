@@ -242,13 +242,12 @@ _TAKE = const(32)
 _SCREEN = const(33)
 
 
-@_wraps(_LOAD, "params.config:load")
-def _load(path="robot.json"):
+@_wraps(_LOAD, "params.parse:fill")
+def _fill(config, values):
     enter()
-    out = _originals[_LOAD](path)
+    _originals[_LOAD](config, values)
     leave(_LOAD, 1, 0)
     settle()
-    return out
 
 
 @_wraps(_AVOID, "avoid:Avoid.__init__")
