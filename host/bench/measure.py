@@ -1,6 +1,7 @@
 """Plays tapes to the firmware under MicroPython and gathers what its stages took."""
 
 import json
+import shutil
 import subprocess
 import tempfile
 from dataclasses import dataclass, field
@@ -14,7 +15,7 @@ from host.twin import image
 from . import blocks, machine_code
 
 HERE = Path(__file__).resolve().parent
-HEAP = {"time": "192m", "count": "192m", "heap": "3m", "decisions": "192m"}  # no collection of garbage falls into what is measured
+HEAP = {"time": "192m", "count": "192m", "heap": "3m", "decisions": "192m", "calibrate": "192m"}  # no collection of garbage falls into what is measured
 KINDS = ("", "poll", "place", "guard", "work", "update", "command", "points", "paper", "plain", "feed", "turn", "stop", "start", "paper_full")
 LIMIT_S = 300
 
@@ -44,7 +45,7 @@ class Bench:
     """
 
     def __init__(self, firmware=image.FIRMWARE):
-        firmware = Path(firmware)
+        self.folder = firmware = Path(firmware)
         self.board, self.plain = image.compiled(firmware)
         paths = {module_of(path, firmware): path for path in [firmware / "main.py", *sorted((firmware / "lib").rglob("*.py"))]}
         cutter = blocks.Cutter({name: path.read_text() for name, path in paths.items()})
@@ -79,6 +80,25 @@ class Bench:
             costs.flush()
             return self._play("count", tape, self.counted, costs.name)
 
+    def calibrate(self, tape, said=b"", tables=True):
+        """(n, 5) int of what board/meter.py wrote down. said: bytes that come on the USB line at once. tables: they are on the board, or made there."""
+        with tempfile.TemporaryDirectory() as folder:
+            costs, sizes = Path(folder) / "costs", Path(folder) / "sizes"
+            costs.write_bytes(np.array([block.instructions for block in self.blocks], "<i4").tobytes())
+            sizes.write_text(json.dumps(image.sizes(self.folder)))
+            data = play(
+                "calibrate",
+                tape,
+                tape.robot,
+                self.board,
+                self.counted,
+                str(costs),
+                str(sizes),
+                said=said,
+                tables=tables and image.tables(tape.robot, self.folder),
+            )
+        return np.frombuffer(data, "<i4").reshape(-1, 5)
+
     def heap(self, tape):
         """{"worst": bytes by which the heap grew most in one loop, "all": in all loops, "buffers": bytes of all buffers on the ESP32}."""
         return json.loads(self._run("heap", tape, self.plain))
@@ -92,13 +112,19 @@ class Bench:
         return Log(rows, {KINDS[i]: counters[i] for i in range(1, len(KINDS))} if size else {})
 
     def _run(self, what, tape, firmware, *extra):
-        return play(what, tape, tape.robot, self.board, firmware, *extra)
+        return play(what, tape, tape.robot, self.board, firmware, *extra, tables=image.tables(tape.robot, self.folder))
 
 
-def play(what, tape, robot, board, firmware, *extra):
-    """Bytes that the runner (board/runner.py, WHAT there) writes when it plays a tape to a compiled firmware. robot: text of its robot.json."""
+def play(what, tape, robot, board, firmware, *extra, said=b"", tables=None):
+    """Bytes that the runner (board/runner.py, WHAT there) writes when it plays a tape to a compiled firmware. robot: text of its robot.json.
+
+    said: bytes that come on the USB line at once. tables: file of the planner's tables to put on the board.
+    """
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "robot.json").write_text(robot)
+        (Path(folder) / "said").write_bytes(said)
+        if tables:
+            shutil.copyfile(tables, Path(folder) / "tables.bin")
         log = Path(folder) / "log"
         command = [
             *micropython.find().command,
@@ -114,7 +140,8 @@ def play(what, tape, robot, board, firmware, *extra):
             *extra,
         ]
         try:
-            done = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=LIMIT_S)
+            with open(Path(folder) / "said", "rb") as line:
+                done = subprocess.run(command, cwd=folder, stdin=line, capture_output=True, timeout=LIMIT_S)
         except subprocess.TimeoutExpired:
             raise BenchError(f"the firmware was not through with {tape.name} after {LIMIT_S} s") from None
         if done.returncode or not log.exists():

@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 from importlib.metadata import version
@@ -13,7 +14,7 @@ from pathlib import Path
 from host import micropython
 from host.micropython import ToolMissing
 
-__all__ = ["BOARD", "BUILD", "FIRMWARE", "ROOT", "ToolMissing", "compiled", "lay_out", "sizes"]
+__all__ = ["BOARD", "BUILD", "FIRMWARE", "ROOT", "ToolMissing", "compiled", "lay_out", "sizes", "tables"]
 
 ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = ROOT / "firmware"
@@ -58,6 +59,41 @@ def sizes(firmware=FIRMWARE):
         os.replace(half, kept)
     os.utime(kept.parent)
     return json.loads(kept.read_text())
+
+
+_MAKE_TABLES = """
+import sys
+root, firmware, robot, target = sys.argv[1:]
+sys.path[:0] = [firmware + "/lib", root]
+from host import compat
+compat.install(firmware)
+from params.config import load
+from planner.tables import save
+save(load(robot), target)
+"""
+
+
+def tables(config_text, firmware=FIRMWARE):
+    """File of the planner's tables for a robot.json, as the firmware in the folder makes them; None if it keeps none or refuses the robot.json."""
+    firmware = Path(firmware).resolve()
+    if not (firmware / "lib" / "planner" / "tables.py").is_file():
+        return None
+    digest = hashlib.sha256(config_text.encode())
+    for folder in ("params", "planner", "core"):
+        for path in sorted((firmware / "lib" / folder).rglob("*.py")):
+            digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    kept = BUILD / f"tables-{digest.hexdigest()[:16]}" / "tables.bin"
+    if not kept.is_file():
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=kept.parent) as folder:
+            robot, made = Path(folder) / "robot.json", Path(folder) / "tables.bin"
+            robot.write_text(config_text)
+            done = subprocess.run([sys.executable, "-c", _MAKE_TABLES, str(ROOT), str(firmware), str(robot), str(made)], capture_output=True)
+            if done.returncode:
+                return None
+            os.replace(made, kept)
+    os.utime(kept.parent)
+    return kept
 
 
 def _size(path):

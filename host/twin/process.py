@@ -41,6 +41,8 @@ class Process:
         self._folder = tempfile.mkdtemp(prefix="gapseeker-")
         try:
             (Path(self._folder) / "robot.json").write_text(config_text)
+            if tables := image.tables(config_text, self._firmware):
+                shutil.copyfile(tables, Path(self._folder) / "tables.bin")
             timing = None
             if chip < math.inf:
                 timing = json.dumps({"percent": max(round(100 * chip), 1), "sizes": image.sizes(self._firmware)})

@@ -6,6 +6,7 @@ WHAT: time   microseconds of each part here; of DECISIONS decisions, FULL of whi
            those in full, spread evenly
       count  instructions on the ESP32: FIRMWARE has counters, COSTS (i32 each) says what each counted block costs
       decisions  what it decides and writes, see record.py
+      calibrate  instructions of each method that the twin charges for, see meter.py: FIRMWARE has counters; COSTS; SIZES: JSON, see charge.begin
       heap   heap that the steady loop takes, and the bytes of all buffers
 LOG   time and count: the rows of log.py as i32. TURN is what the rest of a turn of the loop took, its extra the whole turn. count: after
       the rows the counters of the worst row of each kind
@@ -26,7 +27,7 @@ def _take_over(name):
     sys.modules[name] = __import__(name)
 
 
-import lockstep  # noqa: E402
+import lockstep
 
 _take_over("time")
 _take_over("machine")
@@ -67,7 +68,28 @@ def _record():
     lockstep.on_step, lockstep.on_write, lockstep.on_end = recorder.step, recorder.write, end
 
 
-if _what == "decisions":
+def _calibrate():
+    import json
+
+    import charge
+    import meter
+
+    with open(sys.argv[8]) as file:
+        charge.begin(0, json.load(file))
+    metered = meter.Meter(_path, sys.argv[7])
+
+    def end():
+        lockstep.on_end = lambda: None  # the firmware switches off yet
+        metered.close()
+        sys.exit(0)
+
+    gc.disable()
+    lockstep.on_end = end
+
+
+if _what == "calibrate":
+    _calibrate()
+elif _what == "decisions":
     _record()
 elif _what == "heap":
     import heap

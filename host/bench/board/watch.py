@@ -155,7 +155,7 @@ class Stopwatch(Watch):
 
 
 @micropython.viper
-def _sum(counters: ptr32, costs: ptr32, count: int) -> int:
+def sum_counters(counters: ptr32, costs: ptr32, count: int) -> int:
     total = 0
     i = 0
     while i < count:
@@ -167,7 +167,7 @@ def _sum(counters: ptr32, costs: ptr32, count: int) -> int:
 
 
 @micropython.viper
-def _clear(counters: ptr32, count: int):
+def clear_counters(counters: ptr32, count: int):
     i = 0
     while i < count:
         counters[i] = 0
@@ -199,16 +199,16 @@ class Counter(Watch):
             "stop": STOP,
         }
         super().__init__(robot)
-        log.write(START, _sum(COUNTERS, self.costs, self.size), 0)  # all that came before the loop
+        log.write(START, sum_counters(COUNTERS, self.costs, self.size), 0)  # all that came before the loop
 
     def begin(self):
         """What has been counted since the enclosing call began or went on is its own."""
-        self.own[self.depth - 1] += _sum(self.counters, self.costs, self.size)
+        self.own[self.depth - 1] += sum_counters(self.counters, self.costs, self.size)
         self.own[self.depth] = 0
-        _clear(self.counters, self.size)
+        clear_counters(self.counters, self.size)
 
     def end(self, name):
-        last = _sum(self.counters, self.costs, self.size)
+        last = sum_counters(self.counters, self.costs, self.size)
         kind = self.kinds[name]
         if last > self.worst[kind]:
             self.worst[kind] = last
@@ -218,4 +218,4 @@ class Counter(Watch):
         return self.own[self.depth] + last
 
     def resume(self):
-        _clear(self.counters, self.size)
+        clear_counters(self.counters, self.size)

@@ -35,7 +35,7 @@ _fifo_us = 0  # at this time
 
 _originals = []
 _wrapped = {}  # module: [(class or "", method, number)]
-_names = []
+names = []  # of the methods below, by their numbers
 _sizes = {}
 _import = builtins.__import__
 _tested = 0
@@ -73,7 +73,15 @@ def add(instructions):
 
 
 def enter():
-    """A charged method begins; the bench puts a function of its own here, and for `leave`."""
+    """A charged method begins. Here the bench puts a function of its own, and for the three that follow."""
+
+
+def resume():
+    """It begins only now: what has been asked of the firmware since `enter` is nobody's."""
+
+
+def done():
+    """It has ended; `leave` follows when its work has been counted."""
 
 
 def leave(number, a, b):
@@ -123,14 +131,22 @@ def _importing(name, space=None, local=None, wanted=None, level=0):
     if name in _wrapped:
         _replace(name, sys.modules[name])
     if name == "core.unload" and sys.implementation.name != "micropython":
-        sys.modules[name].unload = _unload
+        module = sys.modules[name]
+        module.forget, module.unload = _forget, _unload
     return module
 
 
-def _unload(*names):
+def _forget(*names):
     """As core.unload does on the board: under CPython it lets nothing go, and what is wanted again would cost no time."""
     for name in names:
         sys.modules.pop(name, None)
+        package, _, module = name.rpartition(".")
+        if package and hasattr(sys.modules.get(package), module):
+            delattr(sys.modules[package], module)
+
+
+def _unload(*names):
+    _forget(*names)
     _collect()
 
 
@@ -142,7 +158,7 @@ def _replace(name, module):
             if original is not None:
                 break
         else:
-            raise AttributeError("charge.py wraps %s, which is gone" % _names[number])
+            raise AttributeError("charge.py wraps %s, which is gone" % names[number])
         _originals[number] = original
         setattr(owner, method, _functions[number])
 
@@ -193,9 +209,9 @@ def _wraps(number, name):
     module, _, path = name.partition(":")
     place, _, method = path.rpartition(".")
     _wrapped.setdefault(module, []).append((place, method, number))
-    if number != len(_names):
+    if number != len(names):
         raise ValueError("number of " + name)
-    _names.append(name)
+    names.append(name)
     _originals.append(None)
     _prices.append(prices.OF.get(name, (0, 0, 0)))
 
@@ -206,7 +222,7 @@ def _wraps(number, name):
     return keep
 
 
-_LOAD = const(0)
+_CONFIG = const(0)
 _AVOID = const(1)
 _DRIVE = const(2)
 _STEP = const(3)
@@ -240,25 +256,27 @@ _SEAL = const(30)
 _LINE = const(31)
 _TAKE = const(32)
 _SCREEN = const(33)
+_BUILD = const(34)
 
 
-@_wraps(_LOAD, "params.parse:fill")
-def _fill(config, values):
+@_wraps(_CONFIG, "params.config:Config.__init__")
+def _make_config(self, values=None):
     enter()
-    _originals[_LOAD](config, values)
-    leave(_LOAD, 1, 0)
+    _originals[_CONFIG](self, values)
+    leave(_CONFIG, 0, 0)
     settle()
 
 
 @_wraps(_AVOID, "avoid:Avoid.__init__")
 def _make_avoid(self, config):
     enter()
-    out = _originals[_AVOID](self, config)
-    leave(_AVOID, 1, 0)
     try:
-        add(os.stat("tables.bin")[6] * prices.FILE_BYTE)
+        size = os.stat("tables.bin")[6]
     except OSError:
-        pass  # there are none: they have been made
+        size = 0  # there are none: they will be made
+    out = _originals[_AVOID](self, config)
+    leave(_AVOID, 0 if size else 1, 0)
+    add(size * prices.FILE_BYTE)
     settle()
     return out
 
@@ -267,7 +285,7 @@ def _make_avoid(self, config):
 def _make_drive(self, steering, servo_chip, motor_left, motor_right, output_enable, config):
     enter()
     _originals[_DRIVE](self, steering, servo_chip, motor_left, motor_right, output_enable, config)
-    leave(_DRIVE, 1, 0)
+    leave(_DRIVE, 0, 0)
     settle()
 
 
@@ -300,6 +318,7 @@ def _poll(self, now_us):
 def _insert(self, lidar, odometry):
     enter()
     _originals[_INSERT](self, lidar, odometry)
+    done()
     leave(_INSERT, lidar.n, self.count)
 
 
@@ -307,6 +326,7 @@ def _insert(self, lidar, odometry):
 def _view(self, x, y, heading, bx, by, reach):
     enter()
     out = _originals[_VIEW](self, x, y, heading, bx, by, reach)
+    done()
     leave(_VIEW, self.count, out)
     return out
 
@@ -421,6 +441,7 @@ def _follow(self, odometry):
 def _cost_to_go(self, odometry, points):
     enter()
     out = _originals[_COST_TO_GO](self, odometry, points)
+    done()
     leave(_COST_TO_GO, points.count, 1 if out else 0)
     return out
 
@@ -521,6 +542,15 @@ def _screen(self, now_us, robot, link):
     before = given_out
     _originals[_SCREEN](self, now_us, robot, link)
     leave(_SCREEN, given_out - before, 0)
+
+
+@_wraps(_BUILD, "core.start:build")
+def _build():
+    enter()
+    out = _originals[_BUILD]()
+    leave(_BUILD, 0, 0)
+    settle()
+    return out
 
 
 def _write(count):
