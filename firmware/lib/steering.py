@@ -50,67 +50,41 @@ _GAIN_HIGH = const(9949)
 _GAIN_LOW = const(3803)
 
 
-@micropython.viper
-def _sine(a: int) -> int:
-    """sin(a) * (2**30 - 1) within 1e-7 of it; a in 0.1 deg, -900 .. 1800.
+def _sine(a):
+    """sin(a) * (2**29 - 1) within 1e-7 of the unit; a in 0.1 deg, -900 .. 1800.
 
     Near the spin, and near driving sideways, the components of the motion are themselves differences of sines: 16 bits would not do.
-    sin(b + c) = sin(b) cos(c) + cos(b) sin(c), b from the table of whole 2 degrees and c at most one.
+    sin(b + c) = sin(b) cos(c) + cos(b) sin(c), b from the table of whole 2 degrees and c at most one. No product reaches 2**30.
     """
-    table = ptr32(COARSE_SIN)
-    negative = 0
-    if a < 0:
-        a = 0 - a
-        negative = 1
+    negative = a < 0
+    if negative:
+        a = -a
     if a > _RIGHT:
         a = _HALF_TURN - a
     k = (a + 10) // 20
     c = a - 20 * k
-    s = table[k]
-    # 1 - cos(c) in 2**-30, with s in 2**-13
-    s -= ((s >> 17) * (c * c * 1635)) >> 13
-    # sin(c) in 2**-24, up to 0.0175, with cos(b) in two parts of 12 bits
-    k = table[45 - k]
-    c = ((c * 1874033) >> 6) - ((c * c * c * 61) >> 12)
-    s += (((k >> 18) * c) >> 6) + ((((k >> 6) & 0xFFF) * c) >> 18)
-    if negative:
-        return 0 - s
-    return s
+    s = COARSE_SIN[k]
+    # 1 - cos(c) in 2**-30, with s in 2**-12
+    s -= ((s >> 18) * (c * c * 1635)) >> 12
+    # sin(c) in 2**-23, up to 0.0175, with cos(b) in two parts of 12 bits
+    k = COARSE_SIN[45 - k]
+    c = ((c * 1874033) >> 7) - ((c * c * c * 61) >> 13)
+    s = (s + (((k >> 18) * c) >> 5) + ((((k >> 6) & 0xFFF) * c) >> 17)) >> 1
+    return -s if negative else s
 
 
 @micropython.viper
-def _solve(u: int, v: int, work: ptr32, angles: ptr16, shares: ptr16) -> int:
-    """Fill angles, shares and the twist for AF, AR (u, v); return the bits of the folded wheels, -1 where AF or AR lies beyond 90 deg.
+def _solve(u: int, v: int, w: int, work: ptr32, angles: ptr16, shares: ptr16, mirrored: int) -> int:
+    """Fill angles, shares and the twist for the motion (u, v, w) = (vx, vy, w), below 2**30, w >= 0; return the bits of the folded wheels.
 
-    All in one function, as a call costs more than the work on a wheel. u and v have two meanings because the first arguments alone lie in
-    registers.
+    All in one function, as a call costs more than the work on a wheel. u and v have other meanings later, because the first arguments alone
+    lie in registers.
+
+        motion -> largest component 2**23 .. 2**24 -> each axle, each side: the wheel's motion -> CORDIC -> its angle and speed
+               -> all speeds, and the motion itself, in parts of the fastest wheel's
     """
-    # Left turns are solved as right turns in the mirror: left and right then agree to the last bit, and w is never negative.
-    if u < 0 - _RIGHT or u > _RIGHT or v < 0 - _RIGHT or v > _RIGHT:
-        return -1
-    total = u + v
-    difference = u - v
-    mirrored = 0
-    if difference < 0 or (difference == 0 and total < 0):
-        mirrored = 1
-        total = 0 - total
-        difference = 0 - difference
-
-    vx = 0
-    vy = 0
-    w = 0
-    if difference == _HALF_TURN:  # spin: the general form vanishes here
-        w = 1
-    elif total == _HALF_TURN:  # sideways: likewise
-        vx = 1
-    else:
-        # At most 2**31 - 2 for vy: a sum, not a product, and still a 32-bit word.
-        vx = int(_sine(total if total >= 0 else 0 - total))
-        vy = int(_sine(_RIGHT - difference)) + int(_sine(_RIGHT - (total if total >= 0 else 0 - total)))
-        w = int(_sine(difference))
-        if total < 0:
-            vx = 0 - vx
-
+    vx = u
+    vy = v
     # Largest component between 2**23 and 2**24. Near the spin the sines themselves are small, hence both directions.
     largest = vx if vx >= 0 else 0 - vx
     if vy > largest:
@@ -223,17 +197,6 @@ def _solve(u: int, v: int, work: ptr32, angles: ptr16, shares: ptr16) -> int:
     return folded
 
 
-@micropython.viper
-def _first_outside(angles: ptr16, low: ptr16, high: ptr16, count: int) -> int:
-    k = 0
-    while k < count:
-        angle = angles[k] ^ 0x8000
-        if angle < low[k] ^ 0x8000 or angle > high[k] ^ 0x8000:
-            return k
-        k += 1
-    return -1
-
-
 class Steering:
     """Wheel angles and speed shares for one set of axles.
 
@@ -290,10 +253,27 @@ class Steering:
         matters, and where it is the centre the angle is 0.
         """
         work = self._work
-        folded = _solve(af, ar, work, self.angles, self.shares)
-        if folded < 0:
+        if not (-_RIGHT <= af <= _RIGHT and -_RIGHT <= ar <= _RIGHT):
             return False
-        self.folded = folded
+        # Left turns are solved as right turns in the mirror: left and right then agree to the last bit, and w is never negative.
+        total = af + ar
+        w = af - ar
+        mirrored = w < 0 or (w == 0 and total < 0)
+        if mirrored:
+            total = -total
+            w = -w
+        vx = vy = 0
+        if w == _HALF_TURN:  # spin: the general form vanishes here
+            w = 1
+        elif total == _HALF_TURN:  # sideways: likewise
+            vx = 1
+        else:
+            vx = _sine(-total if total < 0 else total)
+            vy = _sine(_RIGHT - w) + _sine(_RIGHT - total if total >= 0 else _RIGHT + total)
+            w = _sine(w)
+            if total < 0:
+                vx = -vx
+        self.folded = _solve(vx, vy, w, work, self.angles, self.shares, mirrored)
         self.af = af
         self.ar = ar
         self.vy = work[_VY] - _ZERO
@@ -307,7 +287,12 @@ class Steering:
 
     def outside(self, low, high):
         """Index of the first wheel whose angle lies outside low[k] .. high[k] (array('h') of 2n, 0.1 deg), -1 if none does."""
-        return _first_outside(self.angles, low, high, 2 * self.n)
+        k = 0
+        for angle in self.angles:
+            if not low[k] <= angle <= high[k]:
+                return k
+            k += 1
+        return -1
 
 
 def _ratio(length, span):
