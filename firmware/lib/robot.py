@@ -50,7 +50,7 @@ class Robot:
         elif state == telemetry.MANUAL:
             drive.command(link.af, link.ar, link.v)
             if seen:
-                avoid.watch(odometry, reasons.MANUAL, link.af, link.ar, link.v)
+                avoid.observe(odometry, reasons.MANUAL, link.af, link.ar, link.v)
         elif seen:
             self._watch_out()
             self._decide()
@@ -76,7 +76,7 @@ class Robot:
         drive = self.drive
         drive.stop()
         if seen:
-            self.avoid.watch(self.odometry, why, drive.af, drive.ar, 90)
+            self.avoid.observe(self.odometry, why, drive.af, drive.ar, 90)
 
     def _watch_out(self):
         """On every frame: stop for what is new."""
@@ -91,7 +91,7 @@ class Robot:
         """One slice of the decision."""
         avoid = self.avoid
         began = ticks_us()
-        done = avoid.work(self.odometry)
+        done = avoid.step(self.odometry)
         self._slices_us += ticks_diff(ticks_us(), began)
         if done:
             self.drive.command(avoid.af, avoid.ar, avoid.v)

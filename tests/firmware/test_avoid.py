@@ -6,10 +6,10 @@ from avoid import Avoid
 from params.config import Config
 from planner import reasons
 from planner.candidates import LENGTHS
+from planner.decision import CHOOSE
 from planner.move_cost import NOTHING, best
 
 _config = Config()
-_CHOOSE = 5  # stage of a decision
 
 
 def _walls(*walls):
@@ -24,16 +24,16 @@ def _walls(*walls):
 def _until(points, over, why=reasons.WAITING, config=_config):
     """The Avoid of a robot that stands, worked on until over(avoid, whether it has decided). why: what it decided before."""
     avoid = Avoid(config)
-    memory = avoid.points
+    memory = avoid.map
     for k, (x, y) in enumerate(points):
         memory.x[k] = 8 * x & 0xFFFF
         memory.y[k] = 8 * y & 0xFFFF
     memory._state[0] = len(points)
-    avoid._ready = 100
-    avoid.why = why
+    avoid.ways.frames = 100
+    avoid.plan.why = why
     odometry = Still()
     slices = 0
-    while not over(avoid, avoid.work(odometry)):
+    while not over(avoid, avoid.step(odometry)):
         slices += 1
         assert slices < 200
     return avoid
@@ -55,8 +55,9 @@ _OPEN_ON_THE_RIGHT = ((-250, -800, -250, 460), (-250, 460, 900, 460), (250, -800
 
 def test_wall_ahead_and_open_on_the_right():
     avoid = _decision(_walls(*_OPEN_ON_THE_RIGHT))
-    assert avoid.v != 90
-    assert (avoid.af > avoid.ar) == (avoid.v > 90), (avoid.af, avoid.ar, avoid.v)  # clockwise, or backing to line up for it
+    # Clockwise into the opening, or backing anticlockwise to line up for it.
+    turn = avoid.af - avoid.ar
+    assert (avoid.v > 90 and turn > 0) or (avoid.v < 90 and turn < 0), (avoid.af, avoid.ar, avoid.v)
 
 
 def test_mirrored_points_give_the_mirrored_decision():
@@ -68,20 +69,21 @@ def test_mirrored_points_give_the_mirrored_decision():
         assert (left.af, left.ar, left.v, left.why) == (-right.af, -right.ar, right.v, right.why), (width, ahead, corner)
 
 
-def test_what_promises_most_is_the_best_of_all():
+def test_the_best_of_those_checked_is_the_best_of_all():
     spared = 0
     for width, ahead, corner in ((350, 1000, 900), (222, 498, -187), (302, 468, -203), (302, 700, 100), (400, 560, -100)):
         avoid = _until(
             _walls((-width, -803, -width, ahead), (-width, ahead, 903, ahead), (width, -803, width, corner), (width, corner, 903, corner)),
-            lambda avoid, decided: avoid._stage == _CHOOSE,
+            lambda avoid, decided: avoid.decision.stage == CHOOSE,
             reasons.ON,
         )
-        found = [_least(scores) for scores in avoid._score[:2]]
-        spared += avoid._swept.count(b"\0")
+        decision = avoid.decision
+        found = [_least(scores) for scores in decision.scores[:2]]
+        spared += decision.move_cost.checked.count(b"\0")
         for side in (0, 1):
-            while not avoid._run_some(side):  # all of them
+            while not decision.check_some(side):  # all of them
                 pass
-        assert min(found) == min([_least(scores) for scores in avoid._score[:2]]), (width, ahead, corner, found)
+        assert min(found) == min([_least(scores) for scores in decision.scores[:2]]), (width, ahead, corner, found)
     assert spared > 2 * avoid.candidates.count  # of five sides of candidates
 
 
@@ -91,7 +93,7 @@ def test_what_is_for_driving_backward_never_seems_free_ahead():
     for points in (_walls(*_OPEN_ON_THE_RIGHT), closed):
         avoid = _until(points, lambda avoid, decided: decided, reasons.ON, config)
         env = avoid.candidates
-        assert env.ahead_end < env.arcs and not avoid._longest((0, 1), 65534)
+        assert env.ahead_end < env.arcs and not avoid.decision.longest((0, 1), 65534)
         for side in (0, 1):
             assert not any(avoid.free_of[side][k] for k in range(env.ahead_end, env.arcs))
         assert avoid.ar == 0

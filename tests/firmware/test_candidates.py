@@ -29,7 +29,9 @@ def _sweep(points, env=_env):
     free = array("H", bytes(2 * env.count))
     soft = array("H", bytes(2 * env.count))
     block = array("H", bytes(2 * env.count))
-    CollisionCheck(env).run(px, py, n, near, 0, env.count, 1, 0, free, soft, block)
+    check = CollisionCheck(env)
+    check.prepare(n, near, 1, 0)
+    check.check(px, py, 0, env.count, free, soft, block)
     return free, soft, block
 
 

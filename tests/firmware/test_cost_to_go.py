@@ -7,6 +7,8 @@ from rooms import Still
 from params.config import Config
 from planner.cost_to_go import CostToGo
 
+_SCRATCH = array("H", bytes(2 * 1536))
+
 
 class _Points:
     def __init__(self, *walls):
@@ -22,9 +24,9 @@ class _Points:
 
 
 def _built(points, field=None, odometry=None):
-    field = field or CostToGo(Config())
+    field = field or CostToGo(Config(), _SCRATCH)
     odometry = odometry or Still()
-    while not field.work(odometry, points):
+    while not field.step(odometry, points):
         pass
     return field
 
@@ -49,7 +51,7 @@ def test_costs_lead_round_a_corner():
 
 def test_ground_covered_is_dear():
     odometry = Still()
-    field = CostToGo(Config())
+    field = CostToGo(Config(), _SCRATCH)
     walls = _Points((-300, -1000, -300, 1000), (300, -1000, 300, 1000))
     before = _at(_built(walls), 0, -400)
     for y in range(-900, 1, 10):
@@ -82,24 +84,24 @@ def _mirrored(mode, nose):
     odometry = Still()
     odometry.heading = nose * 1000
     walls = _Points((-260, -890, -260, 390), (-260, 390, 890, 390), (260, -890, 260, -90), (260, -90, 890, -90))
-    field = _built(walls, CostToGo(Config({"mode": mode})), odometry)
+    field = _built(walls, CostToGo(Config({"mode": mode}), _SCRATCH), odometry)
     odometry.heading = (360 - nose) % 360 * 1000
     walls = _Points((260, -890, 260, 390), (260, 390, -890, 390), (-260, -890, -260, -90), (-260, -90, -890, -90))
-    other = _built(walls, CostToGo(Config({"mode": mode})), odometry)
+    other = _built(walls, CostToGo(Config({"mode": mode}), _SCRATCH), odometry)
     for x, y, heading in ((0, 0, 0), (50, -100, 150), (-50, -200, -80), (400, 150, 700), (120, 60, 330)):
         assert abs(_at(field, x, y, heading) - _at(other, -x, y, -heading)) <= 12
     return field
 
 
 def _naws():
-    return CostToGo(Config({"mode": "NAWS"}))
+    return CostToGo(Config({"mode": "NAWS"}), _SCRATCH)
 
 
 def test_with_the_last_axle_straight_what_lies_beside_the_body_is_far():
     # A bay open to the right, 100 mm longer than the body.
     walls = _Points((-190, -350, -190, 350), (-190, 350, 190, 350), (-190, -350, 190, -350))
     out = {}
-    for name, field in (("AWS", CostToGo(Config())), ("NAWS", _naws())):
+    for name, field in (("AWS", CostToGo(Config(), _SCRATCH)), ("NAWS", _naws())):
         _built(walls, field)
         out[name] = _at(field, 0, 0) - _at(field, 410, 0)
     # All wheels steered, it crabs out, at about the distance. Otherwise it leaves as a car does, by driving to and fro.

@@ -49,10 +49,11 @@ class Part:
 
     decisions = 0
     mode, af, ar, v, window, zone, free, block_x, block_y, why = 1, -300, 300, 108, 4, 1, 512, 10, -20, 2
-    points_x = array("h", [100, -200, 300])
-    points_y = array("h", [-1, 2, -3])
+    points_x = array("H", [8192 + 100, 8192 - 200, 8192 + 300])
+    points_y = array("H", [8192 - 1, 8192 + 2, 8192 - 3])
     points_window = bytearray([1, 2, 3])
     points_count = 3
+    points_ordered = True
     candidates = Candidates
     free_of = [array("H", [k, k + 10]) for k in range(4)]
     v256 = -4608

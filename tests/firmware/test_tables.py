@@ -113,7 +113,7 @@ def test_without_a_robot_json_nothing_is_left_behind():
 
 
 def test_the_code_that_makes_the_tables_is_let_go():
-    CostToGo(Config())
+    CostToGo(Config(), bytearray(3072))
     Candidates(Config())
     if sys.implementation.name == "micropython":
         assert not [name for name in _MAKERS if "planner." + name in sys.modules]

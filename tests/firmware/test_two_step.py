@@ -1,13 +1,9 @@
-"""envelope.py: a candidate in its four variants. pairs.py: first moves and the lengths tried of them."""
+"""candidates.py: a candidate in its four mirrorings. two_step.py: first moves and the lengths tried of them."""
 
-from array import array
-
+from avoid import Avoid
 from params.config import Config
 from planner.candidates import LENGTHS, Candidates
-from planner.collision import CollisionCheck
-from planner.cost_to_go import CostToGo
-from planner.move_cost import NOTHING, MoveCost
-from planner.two_step import TwoStep
+from planner.move_cost import clear
 
 _config = Config()
 _env = Candidates(_config)
@@ -37,28 +33,22 @@ def test_variants_are_mirrors():
 
 
 def _pairs():
-    worth = MoveCost(_config, CostToGo(_config), _env)
-    pairs = TwoStep(_env, worth, CollisionCheck(_env), *(array("H", bytes(2 * _env.count)) for _ in range(2)))
-    scores = []
-    for _ in range(4):
-        scores.append([NOTHING] * (LENGTHS * _env.count))
-    return pairs, scores
+    pairs = Avoid(_config).decision.two_step
+    pairs.begin()
+    for scores in pairs.scores:
+        clear(scores, LENGTHS * _env.count)
+    return pairs, pairs.scores
 
 
 def test_first_moves_come_best_first_and_end_apart():
-    from array import array
-
     pairs, scores = _pairs()
     straight = _env.arcs
     scores[0][LENGTHS * straight + 3] = 700
     scores[0][LENGTHS * straight + 4] = 650
-    scores[0][LENGTHS * (straight + 1) + 4] = 660  # ends beside the one before
     scores[3][LENGTHS * 2 + 1] = 500
-    scores = [array("H", one) for one in scores]
-    while not pairs.pick(scores):
+    scores[3][LENGTHS * 3 + 1] = 510  # ends beside the one before
+    while not pairs.choose_first():
         pass
-    found = [(pairs.variant[n], pairs.candidate[n], pairs.length[n]) for n in range(pairs.count)]
-    assert found[0] == (3, 2, _env.lengths[1])
-    assert found[1] == (0, straight, _env.lengths[4])
-    assert (0, straight, _env.lengths[3]) in found
+    found = [(pairs.mirroring[n], pairs.candidate[n], pairs.length[n]) for n in range(pairs.count)]
+    assert found == [(3, 2, _env.lengths[1]), (0, straight, _env.lengths[4]), (0, straight, _env.lengths[3])]
     assert not pairs.found

@@ -40,8 +40,9 @@ class Part:
     speed_faults = uptime_ms = heap_free = worst_us = battery_mv = fault = battery_low = 0
     v = 90
     block_x = block_y = 32767
-    points_x = points_y = array("h")
+    points_x = points_y = array("H")
     points_window = bytearray()
+    points_ordered = True
     steering = Steering
     ok = chips = True
 

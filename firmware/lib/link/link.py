@@ -256,8 +256,7 @@ class Link(Commands):
     def _long(self, data, now_us, robot):
         """The most urgent of the long messages; 0 when none is due."""
         avoid = robot.avoid
-        count = avoid.points_count
-        if count >= 0 and self._points_of != self._decisions and self._is_due(_POINTS, now_us, max(_POINTS_US, count * _POINT_US)):
+        if avoid.points_ordered and self._points_of != self._decisions and self._is_due(_POINTS, now_us, max(_POINTS_US, avoid.points_count * _POINT_US)):
             self._told_us[_POINTS] = now_us
             self._points_of = self._decisions
             return messages.points(data, avoid, now_us)

@@ -13,13 +13,13 @@ REASONS = (
     "way ahead closes, comparing two moves at a time",
     "backing out",
     "backing up to line up with the gap",
-    "obstacle in the emergency window, getting away",
-    "touching, moving away from the point of contact",
+    "",
+    "",  # no longer used
     "closed in, standing still",
     "stopped by command or button",
     "fault, standing still",
     "driven by hand",
-    "turning on the spot",
+    "",
     "been here before, trying another way",
     "something new in the way, stopped",
 )

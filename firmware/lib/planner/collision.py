@@ -399,20 +399,13 @@ class CollisionCheck:
     """The tests of the candidates of some Candidates."""
 
     def __init__(self, candidates):
-        self._envelopes = candidates
+        self._candidates = candidates
         self._job = array("i", [0] * _JOB_FIELDS)
 
-    def run(self, px, py, n, near, first, last, stride, floor, free, soft, block):
-        """Free length, soft free length and blocking point of the candidates first..last-1, each stride-th of the arcs.
-
-        px, py: n points, those near the outline first (`near` of them, see sort_near). Arcs shorter than floor mm are given up early.
-        """
-        self.aim(n, near, stride, floor)
-        self.test(px, py, first, last, free, soft, block)
-
-    def aim(self, n, near, stride, floor):
-        """What several test() have in common; see run()."""
-        env = self._envelopes
+    def prepare(self, n, near, stride, floor):
+        """What several check() have in common: n points, those near the outline first (`near` of them, see sort_near); of the arcs each
+        stride-th, given up early if shorter than floor mm."""
+        env = self._candidates
         job = self._job
         job[_NEAR] = near
         job[_COUNT] = n
@@ -426,9 +419,9 @@ class CollisionCheck:
         job[_BAND] = BAND_MM
         job[_FIRST_STRIP] = env.arcs
 
-    def test(self, px, py, first, last, free, soft, block):
-        """run(), as aimed."""
-        env = self._envelopes
+    def check(self, px, py, first, last, free, soft, block):
+        """Free length, soft free length and blocking point of the candidates first..last-1, as prepared. px, py: the points."""
+        env = self._candidates
         job = self._job
         arcs = env.arcs
         if first < arcs:

@@ -23,7 +23,6 @@ from micropython import const
 
 from core.unload import unload
 from planner import heading_branch
-from planner.queue import LENGTH
 
 _POINTS = const(37)  # closed in one slice
 _POSES = const(245)  # spread in one slice
@@ -308,9 +307,12 @@ def sample(cost: ptr16, poses: ptr32, n: int, cell: int):
 
 
 class CostToGo:
-    """Cost of leaving, by pose. `ready` once a first field exists; `work()` renews it slice by slice."""
+    """Cost of leaving, by pose. `ready` once a first field exists; `step()` renews it slice by slice.
 
-    def __init__(self, config):
+    scratch: room for LENGTH 16-bit words (queue.py), used while a cost to go is being made.
+    """
+
+    def __init__(self, config, scratch):
         from planner import tables
 
         self._masks, self._primitives, self._rim = tables.cost_to_go(config)
@@ -326,8 +328,7 @@ class CostToGo:
         self._weight = bytearray(_PLACES)
         self._closed = array("i", [0] * (_N * _TURNS))
         self._tight = array("i", [0] * (_N * _TURNS))
-        # 16-bit words, but only the viper functions look inside; array('H') could not be made without a second copy
-        self._queue = bytearray(2 * LENGTH)
+        self._queue = scratch  # 16-bit words
         self.cost = bytearray(2 * _STATES)
         self._state = array("i", [0, 0, 0, 0])  # of spread(); 3 as heading_branch.tell() sets it
         # of the field being made: x, y of the corner (1/8 mm mod 2**16), cell, then what _cover() and _close() have as 3 and 4
@@ -372,7 +373,7 @@ class CostToGo:
         self.ux += (dx * 1024 - self.ux * step) // d
         self.uy += (dy * 1024 - self.uy * step) // d
 
-    def work(self, odometry, points):
+    def step(self, odometry, points):
         """One slice of the next field. Returns True when a new field has just come into use."""
         stage = self._stage
         if stage == 0:

@@ -1,10 +1,10 @@
-"""What a move is worth: its length, what it costs to leave the neighbourhood from where it ends, and what steering, changing the steering, a way
-that closes soon and narrow passing are to cost.
+"""What a move costs: its length, the cost to go from where it ends, and something for steering, for changing the steering, for a way that closes
+soon and for passing narrowly.
 
-A move is a candidate of envelope.py in one of four variants (bit 0 left, bit 1 backward), driven as far as one of its LENGTHS: number 5 k + i.
+A move is a candidate in one of four mirrorings (bit 0 left, bit 1 backward), driven as far as one of its LENGTHS: move 5 k + i of the mirroring.
 
-Points only ever make a move worse. So what each promises, as if none were there, bounds what it is worth: swept in this order (promise(),
-keep_promises()), the best is known for sure when it comes first with all points counted, and most candidates are never swept.
+Points only ever make a move worse. So its cost as if there were none is a lower bound; checked best first, the best is known for sure when it comes
+first with all points counted, and most candidates are never checked.
 """
 
 from array import array
@@ -17,156 +17,146 @@ from planner.candidates import LENGTHS
 from planner.cost_to_go import sample
 
 NOTHING = const(65535)
+_FREE = const(65535)  # where there are no points
 _SLICE = const(1800)  # candidate tests in one slice
-_OVERHEAD = const(76)  # what is done once for a candidate, its five ends valued above all, in tests
-_PICKING = const(190)  # ... to find and to test the one that promises most
+_OVERHEAD = const(76)  # what is done once for a candidate, its five ends above all, in tests
+_BEST_FIRST = const(190)  # ... to find and to check the one with the least lower bound
+_UNITS = const(100 * 1200)  # weights are in percent, over 120 degrees
+
+# Fields of the job. Nothing in it is negative: words have no sign in viper where pointers are longer than they.
+_X = const(0)  # the body in the grid, 1/8 mm, + 2**15
+_Y = const(1)
+_SINE = const(2)  # of its heading, * 2**14, + 2**14
+_COSINE = const(3)
+_HEADING = const(4)  # 0.1 deg, 3600 to 7199
+_CELL = const(5)
+_MIRRORING = const(6)
+_FIRST = const(7)  # candidates first, first + stride, ... before last
+_LAST = const(8)
+_STRIDE = const(9)
+_AF = const(10)  # the steering now, 0.1 deg, + 1800
+_AR = const(11)
+_STEERING = const(12)  # weights, 1/1024 mm per 0.1 deg
+_CHANGE = const(13)
+_EXTRA = const(14)  # mm on all
+_BOUND = const(15)  # 1: as if there were no points
+_WAY = const(16)  # mm that are to be free, and not narrow
+_FIELDS = const(17)
 
 
 def in_a_slice(n):
-    """How many candidates are tested against n points in one slice, but for one."""
+    """How many candidates are checked against n points in one slice, but for one."""
     return _SLICE // (n + _OVERHEAD)
 
 
 @micropython.viper
-def _ends(cost, ends: ptr16, turns: ptr16, free: ptr16, lengths: ptr16, score: ptr16, job: ptr32, poses):
-    """What each travel of each candidate is worth: score[5 k + i] = travel + cost of the pose where it ends, mm.
+def _score(cost, ends: ptr16, turns: ptr16, af: ptr16, ar: ptr16, lengths: ptr16, free: ptr16, score: ptr16, checked: ptr8, job: ptr32, poses):
+    """What each travel of each candidate costs: score[5 k + i] = travel + cost to go of the pose where it ends + cost of the steering, mm.
 
-    65535 where the travel is longer than the candidate's free length. job: x, y of the body in the grid (1/8 mm, + 2**15), sine,
-    cosine (2**14, + 2**14), flip x, flip y (0/1), cell, first, last, stride, heading (0.1 deg, 3600 to 7199); poses: room for 5, as for sample()
+    For each candidate: the poses where its travels end, in the grid; what the cost to go is there; then the sums. 65535 where the travel is
+    longer than the candidate's free length; with job[_BOUND] that becomes 65535 first, and the candidate one not checked yet. poses: room for 5, as for sample()
     """
     pose = ptr32(poses)
-    x0 = job[0] + 32768
-    y0 = job[1] + 32768
-    s = job[2] - 16384
-    c = job[3] - 16384
-    flip_x = job[4]
-    flip_y = job[5]
-    cell = job[6]
-    k = job[7]
-    last = job[8]
-    stride = job[9]
-    heading = job[10]
+    x0 = job[_X] + 32768
+    y0 = job[_Y] + 32768
+    s = job[_SINE] - 16384
+    c = job[_COSINE] - 16384
+    heading = job[_HEADING]
+    mirroring = job[_MIRRORING]
+    k = job[_FIRST]
+    last = job[_LAST]
     while k < last:
+        if job[_BOUND]:
+            free[k] = _FREE
+            checked[k] = 0
         n = 0
         p = 0
         at = k * 5
         while n < 5 and lengths[n] <= free[k]:
-            px = ends[2 * at] - 8192
-            py = ends[2 * at + 1] - 8192
+            x = ends[2 * at] - 8192
+            y = ends[2 * at + 1] - 8192
             turn = (turns[at] ^ 0x8000) - 0x8000
-            if flip_x:
-                px = 0 - px
+            if mirroring & 1:
+                x = 0 - x
                 turn = 0 - turn
-            if flip_y:
-                py = 0 - py
+            if mirroring & 2:
+                y = 0 - y
                 turn = 0 - turn
-            pose[p] = x0 + ((px * c + py * s + 1024) >> 11)
-            pose[p + 1] = y0 + ((py * c - px * s + 1024) >> 11)
+            pose[p] = x0 + ((x * c + y * s + 1024) >> 11)
+            pose[p + 1] = y0 + ((y * c - x * s + 1024) >> 11)
             pose[p + 2] = heading + turn
             n += 1
             p += 3
             at += 1
-        sample(cost, poses, n, cell)
+        sample(cost, poses, n, job[_CELL])
+        # Driven backward the other end leads: front and rear change places, and what was right is left.
+        x = (af[k] ^ 0x8000) - 0x8000
+        y = (ar[k] ^ 0x8000) - 0x8000
+        if mirroring & 2:
+            at = x
+            x = y
+            y = at
+        if mirroring == 1 or mirroring == 2:
+            x = 0 - x
+            y = 0 - y
+        at = x
+        if x < 0:
+            at = 0 - x
+        if y < 0:
+            at -= y
+        else:
+            at += y
+        x += 1800 - job[_AF]
+        if x < 0:
+            x = 0 - x
+        y += 1800 - job[_AR]
+        if y < 0:
+            y = 0 - y
+        more = ((at * job[_STEERING] + (x + y) * job[_CHANGE]) >> 10) + job[_EXTRA]
+        at = k * 5
+        p = 0
+        while p < 5:
+            score[at + p] = 65535
+            if p < n:
+                score[at + p] = lengths[p] + pose[p * 3] + more
+            p += 1
+        k += job[_STRIDE]
+
+
+@micropython.viper
+def _add_points(score: ptr16, free: ptr16, soft: ptr16, lengths: ptr16, job: ptr32):
+    """Take out the travels longer than what is free; add what a closed way and narrow passing cost."""
+    k = job[_FIRST]
+    last = job[_LAST]
+    way = job[_WAY]
+    while k < last:
+        cost = 0
+        # A way that closes soon, or is passed narrowly, is expensive whatever part of it is driven: the rest comes next.
+        f = free[k]
+        if f < way:
+            cost = (way - f) >> 1
+        v = soft[k]
+        if v < way:
+            cost += (way - v) >> 2
         at = k * 5
         i = 0
         while i < 5:
-            value = 65535
-            if i < n:
-                value = lengths[i] + pose[i * 3]
-            score[at + i] = value
-            i += 1
-        k += stride
-
-
-@micropython.viper
-def _weigh(score: ptr16, af: ptr16, ar: ptr16, job: ptr32):
-    """Add what steering and change of steering cost.
-
-    job: first, last, stride, variant, AF now + 1800, AR now + 1800, (of _narrow), steering weight, change weight (1/1024 mm per 0.1 deg), extra (mm)
-    """
-    k = job[0]
-    last = job[1]
-    stride = job[2]
-    variant = job[3]
-    af0 = job[4] - 1800
-    ar0 = job[5] - 1800
-    w_steer = job[7]
-    w_change = job[8]
-    extra = job[9]
-    while k < last:
-        a = (af[k] ^ 0x8000) - 0x8000
-        r = (ar[k] ^ 0x8000) - 0x8000
-        cost = a
-        if a < 0:
-            cost = 0 - a
-        if r < 0:
-            cost -= r
-        else:
-            cost += r
-        cost = cost * w_steer
-        if variant == 1:
-            a = 0 - a
-            r = 0 - r
-        elif variant == 2:
-            t = a
-            a = 0 - r
-            r = 0 - t
-        elif variant == 3:
-            t = a
-            a = r
-            r = t
-        d = a - af0
-        if d < 0:
-            d = 0 - d
-        e = r - ar0
-        if e < 0:
-            e = 0 - e
-        cost = ((cost + (d + e) * w_change) >> 10) + extra
-        i = 0
-        while i < 5:
-            v = score[k * 5 + i]
-            if v < 65000:
-                score[k * 5 + i] = v + cost
-            i += 1
-        k += stride
-
-
-@micropython.viper
-def _narrow(score: ptr16, free: ptr16, soft: ptr16, lengths: ptr16, job: ptr32):
-    """Take out the travels longer than what is free; add what a closed way and narrow passing cost.
-
-    job: first, last, stride, ..., 6: the way that is to be free (mm)
-    """
-    k = job[0]
-    last = job[1]
-    stride = job[2]
-    room = job[6]
-    while k < last:
-        cost = 0
-        # A way that closes soon, or narrowly passed, is dear whatever part of it is driven: the rest comes next.
-        f = free[k]
-        if f < room:
-            cost = (room - f) >> 1
-        v = soft[k]
-        if v < room:
-            cost += (room - v) >> 2
-        i = 0
-        while i < 5:
-            v = score[k * 5 + i]
+            v = score[at]
             if lengths[i] > f:
-                score[k * 5 + i] = 65535
+                score[at] = 65535
             elif v < 65000:
-                score[k * 5 + i] = v + cost
+                score[at] = v + cost
+            at += 1
             i += 1
-        k += stride
+        k += job[_STRIDE]
 
 
 @micropython.viper
-def _begin(free: ptr16, swept: ptr8, first: int, last: int):
-    while first < last:
-        free[first] = 65535
-        swept[first] = 0
-        first += 1
+def clear(score: ptr16, n: int):
+    """No move of n is possible."""
+    while n > 0:
+        n -= 1
+        score[n] = 65535
 
 
 @micropython.viper
@@ -216,114 +206,107 @@ class MoveCost:
     """Scores moves from one pose: the body's when the decision began, or the end of a first move.
 
     x, y, heading: the body's when the decision began, 1/8 mm and 0.1 deg.
-    scores: array('H') of 5 for each candidate, mm, lower is better, NOTHING where the way is not free as far.
+    checked: bytearray, 0 for the candidates of which only the lower bound is known.
+    scores: words of 5 for each candidate, mm, lower is better, NOTHING where the way is not free as far.
     """
 
-    def __init__(self, config, field, candidates):
-        self._field = field
-        self._envelopes = candidates
-        self._job = array("i", [0] * 11)
-        self._weights = array("i", [0] * 10)
+    def __init__(self, cost_to_go, candidates):
+        self._cost_to_go = cost_to_go
+        self._candidates = candidates
+        self._job = array("i", [0] * _FIELDS)
         self._poses = array("i", [0] * 15)
+        self.checked = bytearray(candidates.count)
         self.x = self.y = self.heading = 0
-        self.configure(config)
 
     def configure(self, config):
         """Take over weights that may have been tuned."""
-        look_ahead = self._envelopes.look_ahead
-        weights = self._weights
-        weights[6] = look_ahead * 3 // 7
-        weights[7] = config.avoid_steering_weight * look_ahead * 1024 // (100 * 1200)
-        weights[8] = config.avoid_change_weight * look_ahead * 1024 // (100 * 1200)
+        look_ahead = self._candidates.look_ahead
+        job = self._job
+        job[_WAY] = look_ahead * 3 // 7
+        job[_STEERING] = config.avoid_steering_weight * look_ahead * 1024 // _UNITS
+        job[_CHANGE] = config.avoid_change_weight * look_ahead * 1024 // _UNITS
 
     def stand(self, odometry):
-        """Score from where the body is now. Returns its cost of leaving, mm."""
+        """Score from where the body is now. Returns its cost to go, mm."""
         self.x = odometry.x >> 5
         self.y = odometry.y >> 5
         self.heading = (odometry.heading + 50) // 100
-        self.stand_at(0, 0, 0)
-        return self._field.at(self.x, self.y, self.heading)
+        return self.stand_at(0, 0, 0)
 
     def stand_at(self, x, y, heading):
-        """Score from a pose x, y (mm) and heading (0.1 deg) as seen from where stand() was called. Returns its cost of leaving, mm."""
-        field = self._field
+        """Score from a pose x, y (mm) and heading (0.1 deg) as seen from where stand() was called. Returns its cost to go, mm."""
+        field = self._cost_to_go
         job = self._job
         a = self.heading
         s = sin14(a)
         c = cos14(a)
         x, y = self.x + ((x * c + y * s + 1024) >> 11), self.y + ((y * c - x * s + 1024) >> 11)
         a += heading
-        # Nothing negative: words have no sign in viper where pointers are longer than they.
-        job[0] = (x - field.corner_x) & 0xFFFF ^ 0x8000
-        job[1] = (y - field.corner_y) & 0xFFFF ^ 0x8000
-        job[2] = sin14(a) + 16384
-        job[3] = cos14(a) + 16384
-        job[6] = field.cell
-        job[10] = 3600 + a % 3600
+        job[_X] = (x - field.corner_x) & 0xFFFF ^ 0x8000
+        job[_Y] = (y - field.corner_y) & 0xFFFF ^ 0x8000
+        job[_SINE] = sin14(a) + 16384
+        job[_COSINE] = cos14(a) + 16384
+        job[_CELL] = field.cell
+        job[_HEADING] = 3600 + a % 3600
         return field.at(x, y, a)
 
-    def score(self, variant, free, soft, scores, first, last, stride, af, ar, extra):
-        """Fill the scores of candidates first, first + stride, ... before last in a variant.
+    def _prepare(self, mirroring, first, last, stride, af, ar, extra, bound):
+        job = self._job
+        job[_MIRRORING] = mirroring
+        job[_FIRST] = first
+        job[_LAST] = last
+        job[_STRIDE] = stride
+        job[_AF] = af + 1800
+        job[_AR] = ar + 1800
+        job[_EXTRA] = extra
+        job[_BOUND] = bound
 
-        free, soft: their free lengths (sweep.py). af, ar: the steering now, 0.1 deg. extra: mm on all.
+    def _run(self, free, scores):
+        env = self._candidates
+        _score(self._cost_to_go.cost, env.ends, env.turns, env.af, env.ar, env.lengths, free, scores, self.checked, self._job, self._poses)
+
+    def score(self, mirroring, free, soft, scores, first, last, stride, af, ar, extra):
+        """Fill the scores of candidates first, first + stride, ... before last in a mirroring.
+
+        free, soft: their free lengths (collision.py). af, ar: the steering now, 0.1 deg. extra: mm on all.
         """
-        self._value(variant, free, scores, first, last, stride, af, ar, extra)
-        self._lessen(free, soft, scores)
+        self._prepare(mirroring, first, last, stride, af, ar, extra, 0)
+        self._run(free, scores)
+        _add_points(scores, free, soft, self._candidates.lengths, self._job)
 
-    def promise(self, variant, free, swept, scores, first, af, ar):
-        """As score(), as if the way were free, from candidate `first` on, 0 to begin with, as many as a slice allows. Returns the next one.
+    def bound(self, mirroring, free, scores, first, af, ar):
+        """Lower bounds: as score(), as if there were no points, from candidate `first` on, as many as a slice allows. Returns the next one.
 
-        free: becomes 65535; swept: bytearray, 0. Both for keep_promises().
+        free becomes 65535, of these only: candidates for driving backward must not seem free ahead.
         """
-        env = self._envelopes
+        env = self._candidates
         if env.ahead_end <= first < env.arcs:
             first = env.arcs
         last = min(first + in_a_slice(0), env.ahead_end if first < env.ahead_end else env.count)
-        # Only of these: candidates for driving backward must not seem free ahead.
-        _begin(free, swept, first, last)
-        self._value(variant, free, scores, first, last, 1, af, ar, 0)
+        self._prepare(mirroring, first, last, 1, af, ar, 0, 1)
+        self._run(free, scores)
         return last
 
-    def keep_promises(self, sweep, px, py, n, free, soft, block, swept, scores, most):
-        """Sweep those candidates that promise most, as sweep is aimed, until the best of all is known: no score gets better by it.
+    def check_best(self, ways, free, scores, most):
+        """Check the candidates best first, the points of `ways` being mirrored, until the best of all is known: no score gets better by it.
 
-        n: how many points that are. Returns its number, NOTHING if none is worth `most` or less, -1 if it takes another slice.
+        Returns the number of the best move, NOTHING if none costs `most` or less, -1 if it takes another slice.
         """
-        job = self._weights
-        job[2] = 1
-        count = self._envelopes.count
-        for _ in range(_SLICE // (n + _PICKING) + 1):
-            number = best(scores, 0, count, 1)
+        job = self._job
+        checked = self.checked
+        env = self._candidates
+        n = ways.drop_behind()
+        ways.collision.prepare(n, ways.near, 1, env.lengths[0])
+        for _ in range(_SLICE // (n + _BEST_FIRST) + 1):
+            number = best(scores, 0, env.count, 1)
             if number == NOTHING or scores[number] > most:
                 return NOTHING
             k = number // LENGTHS
-            if swept[k]:
+            if checked[k]:
                 return number
-            sweep.test(px, py, k, k + 1, free, soft, block)
-            swept[k] = 1
-            job[0] = k
-            job[1] = k + 1
-            self._lessen(free, soft, scores)
+            ways.collision.check(ways.x, ways.y, k, k + 1, free, ways.soft, ways.block)
+            checked[k] = 1
+            job[_FIRST] = k
+            job[_LAST] = k + 1
+            _add_points(scores, free, ways.soft, env.lengths, job)
         return -1
-
-    def _lessen(self, free, soft, scores):
-        _narrow(scores, free, soft, self._envelopes.lengths, self._weights)
-
-    def _value(self, variant, free, scores, first, last, stride, af, ar, extra):
-        env = self._envelopes
-        job = self._job
-        job[4] = variant & 1
-        job[5] = variant >> 1
-        job[7] = first
-        job[8] = last
-        job[9] = stride
-        _ends(self._field.cost, env.ends, env.turns, free, env.lengths, scores, job, self._poses)
-        job = self._weights
-        job[0] = first
-        job[1] = last
-        job[2] = stride
-        job[3] = variant
-        job[4] = af + 1800
-        job[5] = ar + 1800
-        job[9] = extra
-        _weigh(scores, env.af, env.ar, job)

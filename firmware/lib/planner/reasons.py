@@ -1,4 +1,7 @@
-"""Why the robot does what it does. Decisions carry the number; the words to it stand in texts.py."""
+"""Why the robot does what it does. Decisions carry the number; the words to it stand in link/reason_texts.py.
+
+Recordings keep the numbers: one that is no longer used is not given to another reason.
+"""
 
 from micropython import const
 
@@ -11,12 +14,9 @@ PLAN = const(5)
 LOOKING = const(6)
 BACK = const(7)
 TURNED = const(8)
-NEAR = const(9)
-TOUCH = const(10)
 BOXED = const(11)
 STOPPED = const(12)
 FAULT = const(13)
 MANUAL = const(14)
-SPIN = const(15)
 AGAIN = const(16)
 BLOCKED = const(17)

@@ -3,8 +3,6 @@
 Whether a long body gets round a corner depends on where its turn begins, to the centimetre: so more lengths are tried of the best pair's first move.
 """
 
-from array import array
-
 from micropython import const
 
 from core.trig import cos14, sin14
@@ -14,142 +12,144 @@ from planner.move_cost import NOTHING, best, in_a_slice, suppress
 
 _COARSE = const(6)  # first moves
 _FINE = const(6)  # more lengths of the best one
-_LEFT_SIDE = const(1000)
-_SLACK = const(60)  # mm by which a second move may end better than the field promised at its beginning
+MOST = const(12)
+_SLACK = const(60)  # mm by which a second move may end better than the cost to go at its beginning says
 _TO_A_SIDE = const(60)  # mm that a second move costs for being one
 
 
 class TwoStep:
-    """soft, block: what a sweep finds, shared with others.
+    """begin(), then choose_first() until True, then try_second() until True. Laid out by planner/build.py.
 
-    begin(), then pick() and expand() until each is True.
-
-    count                     first moves found, best first: variant[0], candidate[0], length[0] (mm) is the best single one
+    count                     first moves found, best first: mirroring[0], candidate[0], length[0] (mm) is the best single one
     found                     whether a pair was
-    variant, candidate, length    bytearrays and array 'H'; those of the pair's first move at `chosen`
-    second_variant, second_candidate, second_length    its second move, mm
-    """
+    mirroring, candidate, length    bytearrays and array 'H'; those of the pair's first move at `chosen`
+    second_mirroring, second_candidate, second_length    its second move, mm
 
-    def __init__(self, candidates, worth, sweep, soft, block):
-        self._envelopes = candidates
-        self._worth = worth
-        self._sweep = sweep
-        self.variant = bytearray(_COARSE + _FINE)
-        self.candidate = bytearray(_COARSE + _FINE)
-        self.length = array("H", bytes(2 * (_COARSE + _FINE)))
-        self._score = array("i", bytes(4 * (_COARSE + _FINE)))
-        self._free = array("H", bytes(2 * candidates.count))
-        self._soft = soft
-        self._block = block
-        self._n = self._near = self._left = 0  # points as seen from the end of a first move: all, near ones, those not behind
-        self._next = 0
-        self.second_variant = self.second_candidate = self.second_length = 0
-        self.begin()
+    scores: by mirroring, of the first moves. While second moves are tried the scores of the first ones are not needed any more: those of one mirroring are the second moves', and two
+    hold the points as seen from the end of a first move.
+    """
 
     def begin(self):
         self.count = 0
-        self._coarse = 0
-        self._at = 0
+        self._coarse = 0  # first moves of choose_first(), before their finer lengths
+        self._at = 0  # the first move that is being followed by second ones
+        self._left = 0  # 1 while these go left
+        self._next = 0  # candidate at which the next slice goes on
         self._least = NOTHING
         self.chosen = 0
         self.found = False
 
-    def pick(self, scores):
-        """Take the best move of all four variants' scores, and out of these all that end like it. True when there are enough, or no more."""
-        env = self._envelopes
+    def choose_first(self):
+        """Take the best move of all mirrorings, and out of these all that end like it. True when there are enough, or no more."""
+        env = self._candidates
         n = self.count
         least = NOTHING
-        variant = 0
+        mirroring = 0
         number = 0
-        for v in (0, 1, 2, 3):
-            one = best(scores[v], 0, env.count, 1)
-            if one != NOTHING and scores[v][one] < least:
-                least = scores[v][one]
-                variant = v
+        for k in (0, 1, 2, 3):
+            scores = self.scores[k]
+            one = best(scores, 0, env.count, 1)
+            if one != NOTHING and scores[one] < least:
+                least = scores[one]
+                mirroring = k
                 number = one
         if least == NOTHING:
             return True
-        self.variant[n] = variant
+        self.mirroring[n] = mirroring
         self.candidate[n] = number // LENGTHS
         self.length[n] = env.lengths[number % LENGTHS]
         self._score[n] = least
-        suppress(scores[variant], env.ends, env.turns, env.count, number, env.look_ahead // 12, env.half_length)
+        suppress(self.scores[mirroring], env.ends, env.turns, env.count, number, env.look_ahead // 12, env.half_length)
         self.count = self._coarse = n + 1
         return self.count == _COARSE
 
-    def expand(self, px, py, n, qx, qy, scores, free_of, limit):
+    def try_second(self):
         """Second moves from where one first move ends, right and left, a slice of candidates at a time. True after the last.
 
-        px, py: n points as at the beginning; qx, qy: room for as many; scores: room for those of one variant; free_of: free lengths of the
-        first moves; limit: see drop_behind(). Every other point and candidate does: the second move is looked at again, with
-        all of them, before it is driven.
+        Every other point and candidate does: the second move is looked at again, with all of them, before it is driven.
         """
-        env = self._envelopes
+        env = self._candidates
+        if self._next == 0:
+            self._stand_at_end()
+        last = self._try_some(env)
+        if last < env.count:
+            self._next = last
+            return False
+        self._next = 0
         at = self._at
         fine = at >= self._coarse
-        variant = self.variant[at]
-        candidate = self.candidate[at]
-        second = 1 if self._next >= _LEFT_SIDE else 0
-        first = self._next - second * _LEFT_SIDE
-        if first == 0:
-            if fine or not second:
-                env.travel(variant, candidate, self.length[at])
-                turn = env.end_turn
-                self._n = move(px, py, n, env.end_x, env.end_y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, qx, qy, 2)
-                self._near = sort_near(qx, qy, self._n, env.half_width, env.half_length, env.soft + BAND_MM)
-                cost = self._worth.stand_at(env.end_x, env.end_y, turn)
-                if not fine:
-                    self._score[at] -= cost  # that of the second move's end takes its place
-            if second:
-                mirror(qx, self._n)
-            self._left = drop_behind(qx, qy, self._near, self._n, env.half_length + env.soft, limit)
-        if env.ahead_end <= first < env.arcs:
-            first = env.arcs
-        stride = 2 if first < env.arcs else 1
-        last = min(first + stride * (in_a_slice(self._left) + 1), env.ahead_end if stride == 2 else env.count)
-        self._sweep.run(qx, qy, self._left, self._near, first, last, stride, env.lengths[1], self._free, self._soft, self._block)
-        self._worth.score(second, self._free, self._soft, scores, first, last, stride, env.af_of(variant, candidate), env.ar_of(variant, candidate), _TO_A_SIDE)
-        number = best(scores, first, last, stride)
-        if number != NOTHING:
-            value = self._score[at] + scores[number]
-            if value < self._least:
-                self._least = value
-                self.found = True
-                self.chosen = at
-                self.second_variant = second
-                self.second_candidate = number // LENGTHS
-                self.second_length = env.lengths[number % LENGTHS]
-        if last < env.count:
-            self._next = second * _LEFT_SIDE + last
-            return False
-        if not fine and not second:
-            self._next = _LEFT_SIDE
+        if not fine and not self._left:
+            self._left = 1
             return False
         at += 1
         if not fine and at < self._coarse and self.found and self._score[at] > self._least + _SLACK:
             self.count = self._coarse = at  # no better pair begins with this one, or with those behind it
         self._at = at
         if at == self._coarse and self.found:
-            self._refine(free_of)
+            self._refine()
         # Fine ones to the side of the best pair only.
-        self._next = self.second_variant * _LEFT_SIDE if self._at >= self._coarse else 0
-        if self._at < self.count:
-            return False
-        self._next = 0
-        return True
+        self._left = self.second_mirroring if at >= self._coarse else 0
+        return at >= self.count
 
-    def _refine(self, free_of):
+    def _stand_at_end(self):
+        """The points as seen from where the first move ends, mirrored for second moves to the left."""
+        env = self._candidates
+        ways = self._ways
+        at = self._at
+        x, y = self.scores[1], self.scores[2]
+        fine = at >= self._coarse
+        if fine or not self._left:
+            env.travel(self.mirroring[at], self.candidate[at], self.length[at])
+            turn = env.end_turn
+            self._n = move(ways.x, ways.y, ways.n, env.end_x, env.end_y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, x, y, 2)
+            self._near = sort_near(x, y, self._n, env.half_width, env.half_length, env.soft + BAND_MM)
+            cost = self._move_cost.stand_at(env.end_x, env.end_y, turn)
+            if not fine:
+                self._score[at] -= cost  # that of the second move's end takes its place
+        if self._left:
+            mirror(x, self._n)
+        self._ahead = drop_behind(x, y, self._near, self._n, env.half_length + env.soft, ways.swing)
+
+    def _try_some(self, env):
+        """Check and score the next second moves, and keep the best pair. Returns the candidate after them."""
+        ways = self._ways
+        scores = self.scores[0]
+        free = self._free
+        at = self._at
+        mirroring = self.mirroring[at]
+        candidate = self.candidate[at]
+        first = self._next
+        if env.ahead_end <= first < env.arcs:
+            first = env.arcs
+        stride = 2 if first < env.arcs else 1
+        last = min(first + stride * (in_a_slice(self._ahead) + 1), env.ahead_end if stride == 2 else env.count)
+        ways.collision.prepare(self._ahead, self._near, stride, env.lengths[1])
+        ways.collision.check(self.scores[1], self.scores[2], first, last, free, ways.soft, ways.block)
+        self._move_cost.score(
+            self._left, free, ways.soft, scores, first, last, stride, env.af_of(mirroring, candidate), env.ar_of(mirroring, candidate), _TO_A_SIDE
+        )
+        number = best(scores, first, last, stride)
+        if number != NOTHING and self._score[at] + scores[number] < self._least:
+            self._least = self._score[at] + scores[number]
+            self.found = True
+            self.chosen = at
+            self.second_mirroring = self._left
+            self.second_candidate = number // LENGTHS
+            self.second_length = env.lengths[number % LENGTHS]
+        return last
+
+    def _refine(self):
         """More lengths of the first move of the best pair."""
         at = self.chosen
-        variant = self.variant[at]
+        mirroring = self.mirroring[at]
         candidate = self.candidate[at]
         length = self.length[at]
-        unit = self._envelopes.half_length // 25
+        unit = self._candidates.half_length // 25
         for d in (-3, -2, -1, 1, 2, 3):
             other = length + d * unit
-            if 2 * unit < other <= free_of[variant][candidate]:
+            if 2 * unit < other <= self._ways.free_of[mirroring][candidate]:
                 n = self.count
-                self.variant[n] = variant
+                self.mirroring[n] = mirroring
                 self.candidate[n] = candidate
                 self.length[n] = other
                 self._score[n] = self._score[at] + other - length

@@ -8,6 +8,8 @@ import log
 import micropython
 from log import COMMAND, FEED, GUARD, KINDS, PAPER, PAPER_FULL, PLACE, PLAIN, POINTS, POLL, START, STOP, TURN, UPDATE, WORK
 
+from planner.decision import REST
+
 
 class Watch:
     """Measures the calls of one robot's parts. What a part calls of another is that other's."""
@@ -17,18 +19,19 @@ class Watch:
         self.before = 0  # of the odometry, to be added to the frame
         self.inner = [0] * 8  # what the calls made from each open call took
         self.depth = 0
+        self.stage = REST  # of the decision, after the slice before
         avoid = robot.avoid
         self.wrap(robot, "step", self.after_step)
         self.wrap(robot.odometry, "advance", self.after_advance)
         self.wrap(robot.lidar, "poll", self.after_poll)
         self.wrap(avoid, "frame", self.after_place)
         self.wrap(avoid, "guard", self.after_guard)
-        self.wrap(avoid, "work", self.after_work)
+        self.wrap(avoid, "step", self.after_work, "work")
         self.wrap(robot.drive, "command", self.after_command)
         self.wrap(robot.drive, "update", self.after_update)
         self.wrap(robot.drive, "stop", self.after_stop)
 
-    def wrap(self, part, name, after):
+    def wrap(self, part, name, after, kind=None):
         function = getattr(part, name)
 
         def call(*arguments):
@@ -37,7 +40,7 @@ class Watch:
             self.begin()
             began = lockstep.now
             out = function(*arguments)
-            own = self.end(name)
+            own = self.end(kind or name)
             self.depth -= 1
             self.inner[self.depth] += own + self.inner[self.depth + 1]
             after(own, out, lockstep.now - began)
@@ -68,7 +71,8 @@ class Watch:
     def after_work(self, value, out, waited):
         avoid = self.robot.avoid
         # Going on with a plan that still holds costs next to nothing: it is no decision to compare.
-        goes_on = out and avoid._plan and avoid._followed == avoid._ready
+        goes_on = out and self.stage == REST
+        self.stage = avoid.decision.stage
         log.write(WORK, value, 2 if goes_on else 1 if out else 0)
         if out:
             inside = 0
@@ -142,8 +146,8 @@ class Stopwatch(Watch):
 
     def again(self, planner, avoid):
         """What the planner takes for the points of this decision."""
-        xs = [avoid.points_x[i] for i in range(avoid.points_count)]
-        ys = [avoid.points_y[i] for i in range(avoid.points_count)]
+        xs = [avoid.points_x[i] - 8192 for i in range(avoid.points_count)]
+        ys = [avoid.points_y[i] - 8192 for i in range(avoid.points_count)]
         gc.collect()
         gc.enable()  # they make objects of every float
         began = self.now()

@@ -22,12 +22,13 @@ class Scanning:
     def __init__(self, config):
         self.config = config
         self.windows = Windows(config, _MOST)
-        self.points_x = array("h", bytes(2 * _MOST))
-        self.points_y = array("h", bytes(2 * _MOST))
+        self.x_mm = array("h", bytes(2 * _MOST))
+        self.y_mm = array("h", bytes(2 * _MOST))
         self.points_window = self.windows.window
         self.points_count = 0
-        self._px = array("H", bytes(2 * _MOST))  # as the windows want them, mm + 8192
-        self._py = array("H", bytes(2 * _MOST))
+        self.points_ordered = True
+        self.points_x = array("H", bytes(2 * _MOST))  # as the windows want them, mm + 8192
+        self.points_y = array("H", bytes(2 * _MOST))
         self._frames = config.lidar_frames
         self._x = array("h", bytes(2 * _FRAMES * _EACH))
         self._y = array("h", bytes(2 * _FRAMES * _EACH))
@@ -70,12 +71,12 @@ class Scanning:
         """Between revolutions nothing is looked at."""
         return False
 
-    def watch(self, odometry, why, af, ar, v):
+    def observe(self, odometry, why, af, ar, v):
         """Somebody else decides."""
         self.why = why
         self.af, self.ar, self.v = af, ar, v
 
-    def work(self, odometry):
+    def step(self, odometry):
         """True once a revolution, when there is a new decision."""
         if self._due:
             return False
@@ -84,13 +85,13 @@ class Scanning:
         for slot in range(self._frames):
             for i in range(slot * _EACH, slot * _EACH + self._n[slot]):
                 if n < _MOST:
-                    self.points_x[n] = self._x[i]
-                    self.points_y[n] = self._y[i]
-                    self._px[n] = self._x[i] + 8192
-                    self._py[n] = self._y[i] + 8192
+                    self.x_mm[n] = self._x[i]
+                    self.y_mm[n] = self._y[i]
+                    self.points_x[n] = self._x[i] + 8192
+                    self.points_y[n] = self._y[i] + 8192
                     n += 1
         self.points_count = n
-        self.window = self.windows.sort(self._px, self._py, n)
+        self.window = self.windows.sort(self.points_x, self.points_y, n)
         self.zone = self.windows.zone()
         self.decide()
         self.decisions += 1
@@ -100,7 +101,7 @@ class Scanning:
         """Number of points in any of the zones of any of the windows."""
         found = 0
         for i in range(self.points_count):
-            if self.points_window[i] in windows and self.windows.zone_of(self.points_x[i], self.points_y[i]) in zones:
+            if self.points_window[i] in windows and self.windows.zone_of(self.x_mm[i], self.y_mm[i]) in zones:
                 found += 1
         return found
 

@@ -32,7 +32,7 @@ class Avoid(Scanning):
         free = bytearray(b"\1" * (2 * _SIDE + 1))
         nearest = self.range
         for i in range(self.points_count):
-            x, y = self.points_x[i], self.points_y[i]
+            x, y = self.x_mm[i], self.y_mm[i]
             d = sqrt(x * x + y * y)
             if d < self.range:
                 nearest = min(nearest, d - self.radius)

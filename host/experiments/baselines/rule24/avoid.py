@@ -27,7 +27,7 @@ class Avoid(Scanning):
         if self.near():
             return
         n = self.points_count
-        found = self.planner.decide([self.points_x[i] for i in range(n)], [self.points_y[i] for i in range(n)])
+        found = self.planner.decide([self.x_mm[i] for i in range(n)], [self.y_mm[i] for i in range(n)])
         if found:
             self.take(found[0], found[1], _CRUISE, reasons.BEND)
         else:
@@ -37,19 +37,19 @@ class Avoid(Scanning):
         """Moves of the red and blue windows (experiments of paper A, section 6). True if one was taken."""
         near = [self.within((RED, BLUE), (zone,)) for zone in range(10)]
         if near[1] and near[2]:
-            self.take(-30, -38, 109, reasons.NEAR)
+            self.take(-30, -38, 109, reasons.CENTRE)
         elif near[9] and near[8]:
-            self.take(30, 38, 109, reasons.NEAR)
+            self.take(30, 38, 109, reasons.CENTRE)
         elif near[1]:
-            self.take(80, 80, _AWAY, reasons.NEAR)  # to the left and back
+            self.take(80, 80, _AWAY, reasons.CENTRE)  # to the left and back
         elif near[9]:
-            self.take(-80, -80, _AWAY, reasons.NEAR)
+            self.take(-80, -80, _AWAY, reasons.CENTRE)
         elif near[0]:
-            self.take(0, 0, _AWAY, reasons.NEAR)
+            self.take(0, 0, _AWAY, reasons.CENTRE)
         elif near[7] or near[8]:
-            self.take(0, 30, _CRUISE, reasons.NEAR)  # the rear to the right
+            self.take(0, 30, _CRUISE, reasons.CENTRE)  # the rear to the right
         elif near[2] or near[3]:
-            self.take(0, -30, _CRUISE, reasons.NEAR)
+            self.take(0, -30, _CRUISE, reasons.CENTRE)
         else:
             return False
         return True
@@ -61,7 +61,7 @@ class Avoid(Scanning):
         left = right = False
         nearest_left = nearest_right = 30000
         for i in range(self.points_count):
-            x, y = self.points_x[i], self.points_y[i]
+            x, y = self.x_mm[i], self.y_mm[i]
             if abs(y) <= half_length and abs(x) <= edge:
                 left = left or x < 0
                 right = right or x >= 0

@@ -1,0 +1,125 @@
+"""Makes the parts of the planner and joins them. Needed once, at the start: then it is unloaded."""
+
+from array import array
+
+from perception.local_map import LocalMap
+from perception.windows import NO_ZONE, Windows
+from planner import reasons
+from planner.candidates import LENGTHS, Candidates
+from planner.collision import CollisionCheck
+from planner.cost_to_go import CostToGo
+from planner.decision import Decision
+from planner.free_ways import FreeWays
+from planner.move_cost import NOTHING, MoveCost
+from planner.plan import Plan
+from planner.queue import LENGTH
+from planner.two_step import MOST, TwoStep
+
+_POINTS = 320
+_BACKWARD = 150  # mm that a move backward costs for being one
+_BACKWARD_NAWS = 300  # ... where the robot drives worse that way
+_NO_POINT = 32767
+
+
+def build(avoid, config):
+    """Everything that an Avoid has. ConfigError is not raised: the config was checked."""
+    avoid.config = config
+    avoid.candidates = candidates = Candidates(config)
+    # The queue of the search for the cost to go, and the scores of a decision: never at the same time.
+    moves = LENGTHS * candidates.count
+    scratch = memoryview(array("H", bytes(2 * max(LENGTH, 4 * moves))))
+    scores = tuple(scratch[moves * k : moves * (k + 1)] for k in range(4))
+    avoid.map = local_map = LocalMap(config)
+    avoid._windows = windows = Windows(config, _POINTS)
+    cost_to_go = CostToGo(config, scratch)
+    avoid.ways = ways = _free_ways(local_map, windows, candidates)
+    move_cost = MoveCost(cost_to_go, candidates)
+    two_step = _two_step(candidates, move_cost, ways, scores)
+    avoid.plan = plan = _plan(candidates, ways, two_step)
+
+    avoid.decision = decision = Decision()
+    decision.stage = 0
+    decision.scores = scores
+    decision.cost_to_go = cost_to_go
+    decision.move_cost = move_cost
+    decision._config = config
+    decision._map = local_map
+    decision._candidates = candidates
+    decision._ways = ways
+    decision.two_step = two_step
+    decision._plan = plan
+    decision._backward = _BACKWARD if config.mode == "AWS" else _BACKWARD_NAWS
+    decision._decided = False
+    decision._here = 0  # cost to go where the decision began
+    decision._side = 0  # the mirroring that is being looked through
+    decision._next = 0  # the candidate at which the next slice goes on
+    decision._least = NOTHING  # score of the best single move known
+    decision._renewing = False
+    decision._made_at = array("i", (0, 0, 0))  # where the cost to go was begun, and on which frame
+    decision._made_frame = 0
+    decision._travel = 0  # where and on which frame the last single move was chosen
+    decision._frame = 0
+    decision._followed = -1  # frame on which the plan was looked at last
+    decision._anchor = array("i", (0, 0, 0))  # where the robot got anywhere last, and how often it has backed up since
+    decision._reversals = 0
+
+    avoid.points_x = ways.x
+    avoid.points_y = ways.y
+    avoid.points_window = windows.window
+    avoid.points_count = 0
+    avoid.points_ordered = True
+    avoid.free_of = ways.free_of
+    avoid.af = avoid.ar = avoid.mode = avoid.window = avoid.free = avoid.decisions = 0
+    avoid.v = plan.v
+    avoid.zone = NO_ZONE
+    avoid.block_x = avoid.block_y = _NO_POINT
+    avoid.why = plan.why
+
+
+def _words(count):
+    return array("H", bytes(2 * count))
+
+
+def _free_ways(local_map, windows, candidates):
+    ways = FreeWays()
+    ways._map = local_map
+    ways._windows = windows
+    ways._candidates = candidates
+    ways.collision = CollisionCheck(candidates)
+    ways.swing = candidates.half_width + candidates.soft + candidates.half_length // 2  # of the tail, see drop_behind()
+    ways.x = _words(_POINTS)
+    ways.y = _words(_POINTS)
+    ways.n = ways.near = ways.frames = 0
+    ways.seen = -1
+    ways.ordered = True
+    ways.free_of = tuple(_words(candidates.count) for _ in range(4))
+    ways.soft = _words(candidates.count)
+    ways.block = _words(candidates.count)
+    return ways
+
+
+def _two_step(candidates, move_cost, ways, scores):
+    two_step = TwoStep()
+    two_step._candidates = candidates
+    two_step._move_cost = move_cost
+    two_step._ways = ways
+    two_step.scores = scores
+    two_step.mirroring = bytearray(MOST)
+    two_step.candidate = bytearray(MOST)
+    two_step.length = _words(MOST)
+    two_step._score = array("i", bytes(4 * MOST))
+    two_step._free = _words(candidates.count)
+    two_step._n = two_step._near = two_step._ahead = 0  # points as seen from the end of a first move: all, near ones, those not behind
+    two_step.second_mirroring = two_step.second_candidate = two_step.second_length = 0
+    two_step.begin()
+    return two_step
+
+
+def _plan(candidates, ways, two_step):
+    plan = Plan()
+    plan._candidates = candidates
+    plan._ways = ways
+    plan._two_step = two_step
+    plan.mirroring = plan.candidate = plan.af = plan.ar = plan.free = plan._until = 0
+    plan.stand(reasons.WAITING)
+    return plan

@@ -1,0 +1,303 @@
+"""Which move: the decision, made in slices.
+
+One step of look-ahead: a move is one of the travels of a candidate steering; its cost is its length plus the cost to go from where it ends
+(move_cost.py), if the points allow it. The cost of a move without any points is a lower bound of what it is with them; so the candidates are
+checked best first, and as soon as the best is known the others need not be. Where no single move gets on well, all candidates are checked, backward
+ones too, and the best moves are each followed by a second one (two_step.py).
+
+Source: papers A section 4 and B section 3; the cost to go and the second move are this project's own.
+"""
+
+from micropython import const
+
+from planner import reasons
+from planner.away import away, mark
+from planner.candidates import LENGTHS
+from planner.move_cost import NOTHING, best, clear, in_a_slice
+
+_PATIENCE = const(5)  # times backing up on the same ground
+_FRAMES_FIRST = const(20)  # a revolution and a little: before, the map has gaps
+
+# What a stage gives back: the stage that comes next, by its place in Decision.STAGES.
+COST_TO_GO = const(0)
+REST = const(1)
+_BOUND = const(2)
+_CHECK_BEST = const(3)
+CHOOSE = const(4)
+_CHECK_ALL = const(5)
+_FIRST_MOVES = const(6)
+_SECOND_MOVES = const(7)
+_SETTLE = const(8)
+
+# How far the robot may have gone since the cost to go was begun, in parts of the look-ahead, and for how many frames it serves.
+_FRESH = const(10)
+_FRESH_FRAMES = const(40)
+_FIT = const(6)  # single moves are made where it is wide: it need not be as fresh
+_FIT_FRAMES = const(64)
+_NO_AGE = const(0xFFFF)
+_TURNED = const(7999)  # 0.001 deg
+
+_SINGLE = (reasons.ON, reasons.BEND, reasons.CRAB)
+
+
+class Decision:
+    """Fills in the plan, stage by stage. Laid out by planner/build.py.
+
+    stage     number of the stage that comes next, of STAGES
+    scores    by mirroring: LENGTHS for each candidate, see move_cost.py; only while a decision is being made
+    """
+
+    def step(self, odometry):
+        """One slice of the stage that is due. True when the plan holds a new decision."""
+        self._decided = False
+        self.stage = self.STAGES[self.stage](self, odometry)
+        return self._decided
+
+    def _make_cost_to_go(self, odometry):
+        return COST_TO_GO if self._renew(odometry) else REST
+
+    def _rest(self, odometry):
+        """Nothing to decide as long as the plan holds, or the single move is fresh; else begin, with points and a cost to go that fit."""
+        plan = self._plan
+        ways = self._ways
+        if self._resting(odometry):
+            # A plan near its end: the next decision will want a cost to go that fits.
+            if plan.moves and plan.left(odometry) < self._candidates.look_ahead >> 2 and (self._renewing or not self._fits(odometry, _FRESH, _FRESH_FRAMES)):
+                self._renew(odometry)
+            return REST
+        single = plan.why in _SINGLE
+        if not plan.moves:
+            fits = self._fits(odometry, _FIT, _FIT_FRAMES) if single else self._fits(odometry, _FRESH, _FRESH_FRAMES)
+            if self._renewing or not fits or ways.frames < _FRAMES_FIRST:
+                return COST_TO_GO
+        if ways.seen != ways.frames:
+            ways.see(odometry)
+            if plan.moves:
+                plan.look()
+        if plan.moves:
+            self._followed = ways.frames
+            self._decided = plan.follow(odometry)
+            return REST
+        self._here = self.move_cost.stand(odometry)
+        for scores in self.scores:
+            clear(scores, LENGTHS * self._candidates.count)
+        self._next = 0
+        self._least = NOTHING
+        # Where two moves were needed last, all candidates are likely to be. Else the side taken last comes first: it sets the measure for the other.
+        self._side = plan.mirroring & 1 if single else 0
+        return _BOUND if single else _CHECK_ALL
+
+    def _bound(self, odometry):
+        """Lower bounds of the moves ahead to one side."""
+        side = self._side
+        plan = self._plan
+        self._next = self.move_cost.bound(side, self._ways.free_of[side], self.scores[side], self._next, plan.af, plan.ar)
+        if self._next < self._candidates.count:
+            return _BOUND
+        self._next = 0
+        return _CHECK_BEST
+
+    def _check_best(self, odometry):
+        """Check the candidates ahead to one side best first, until the best of them is known."""
+        side = self._side
+        scores = self.scores[side]
+        ways = self._ways
+        ways.mirror(side)
+        number = self.move_cost.check_best(ways, ways.free_of[side], scores, self._least)
+        ways.mirror(side)
+        if number < 0:
+            return _CHECK_BEST
+        if number != NOTHING:
+            self._least = scores[number]
+        if side == self._plan.mirroring & 1:
+            self._side = side ^ 1
+            return _BOUND
+        self._side = 0
+        return CHOOSE
+
+    def _choose(self, odometry):
+        """Take the best single move if it gets on well."""
+        plan = self._plan
+        if self._choose_one():
+            self._travel = odometry.travel256
+            self._frame = self._ways.frames
+            plan.look()
+            self._decided = True
+            return REST
+        # This takes longer. With little way left the robot stands meanwhile.
+        if plan.v != 90 and plan.free < self._candidates.lengths[2]:
+            plan.stand(reasons.LOOKING)
+            self._decided = True
+        # A cost to go made while the robot stands is fresh however long this takes, or the same would begin again and again.
+        return _CHECK_ALL if self._fits(odometry, _FRESH, _NO_AGE) else COST_TO_GO
+
+    def _check_all(self, odometry):
+        """Check and score all candidates, mirroring by mirroring: those ahead, then, if none of them gets on well, the others."""
+        side = self._side
+        if not self.check_some(side):
+            return _CHECK_ALL
+        self._side = side = side + 1
+        if side == 2:
+            return CHOOSE
+        if side < 4:
+            return _CHECK_ALL
+        pose = self.move_cost
+        self._ways.look(pose.x, pose.y, pose.heading)
+        self.two_step.begin()
+        return _FIRST_MOVES
+
+    def _first_moves(self, odometry):
+        two_step = self.two_step
+        if not two_step.choose_first():
+            return _FIRST_MOVES
+        return _SECOND_MOVES if two_step.count else _SETTLE
+
+    def _second_moves(self, odometry):
+        return _SETTLE if self.two_step.try_second() else _SECOND_MOVES
+
+    def _settle(self, odometry):
+        """Drive the best pair of moves, or the least bad single one, or stand."""
+        plan = self._plan
+        first = self.two_step
+        self._decided = True
+        if self._reversals >= _PATIENCE and self._escape(odometry):
+            pass
+        elif first.count:
+            at = first.chosen  # the best single one, where no pair was found
+            mirroring = first.mirroring[at]
+            plan.take(mirroring, first.candidate[at])
+            if first.found:
+                why = reasons.TURNED if mirroring & 2 else reasons.LOOKING
+            else:
+                why = reasons.BACK if mirroring & 2 else reasons.BEND
+            plan.begin(1, first.length[at], odometry, why)
+        else:
+            # Nothing of the shortest travel: whatever gives most way, if any.
+            plan.moves = 0
+            most = self.longest((0, 1, 2, 3), 11)
+            plan.limit = most - 6
+            plan.why = reasons.CENTRE
+            if not most:
+                plan.stand(reasons.BOXED)
+        self._count_reversals(odometry, plan.mirroring > 1)
+        # Anew for this one: checking others has moved the points about.
+        plan.look()
+        if not plan.limit:
+            plan.free = 0
+        return REST
+
+    STAGES = (_make_cost_to_go, _rest, _bound, _check_best, _choose, _check_all, _first_moves, _second_moves, _settle)
+
+    def _resting(self, odometry):
+        """Whether there is nothing to decide: a plan that has been looked at on this frame, or a single move that is still fresh.
+
+        The guard watches both, and a few millimetres on nothing has changed.
+        """
+        plan = self._plan
+        frames = self._ways.frames
+        if plan.moves:
+            return self._followed == frames and not plan.arrived(odometry)
+        if plan.v == 90:
+            return False
+        rolled = (odometry.travel256 - self._travel) & 0x3FFFFFF
+        return rolled < self._candidates.look_ahead * 5 and frames - self._frame < 8
+
+    def _renew(self, odometry):
+        """One slice of the next cost to go; False after the last. It cannot be asked before."""
+        if not self._renewing:
+            mark(self._made_at, odometry)
+            self._made_frame = self._ways.frames
+        self._renewing = not self.cost_to_go.step(odometry, self._map)
+        return self._renewing
+
+    def _fits(self, odometry, part, frames):
+        """Whether the cost to go still fits: the robot has not moved by look-ahead / part since it was begun, hardly turned, and it is no older than that."""
+        return (
+            self.cost_to_go.ready
+            and not away(self._made_at, odometry, self._candidates.look_ahead // part, _TURNED)
+            and self._ways.frames - self._made_frame < frames
+        )
+
+    def check_some(self, mirroring):
+        """Check and score the next candidates of one mirroring, as many as a slice allows. True when all are done."""
+        env = self._candidates
+        ways = self._ways
+        plan = self._plan
+        first = self._next
+        count = env.count
+        if mirroring & 2:
+            if first < env.astern_first:
+                first = env.astern_first
+        elif first >= env.ahead_end:
+            first = max(first, env.arcs)
+        else:
+            count = env.ahead_end
+        last = min(first + in_a_slice(ways.n) + 1, count)
+        ways.check(mirroring, first, last, env.lengths[0])
+        self.move_cost.score(
+            mirroring, ways.free_of[mirroring], ways.soft, self.scores[mirroring], first, last, 1, plan.af, plan.ar,
+            self._backward if mirroring & 2 else 0,
+        )  # fmt: skip
+        self._next = last if last < env.count else 0
+        return not self._next
+
+    def _choose_one(self):
+        """Take the best single move ahead. False if it does not get on well."""
+        env = self._candidates
+        plan = self._plan
+        value = NOTHING
+        number = mirroring = 0
+        for side in (0, 1):
+            scores = self.scores[side]
+            one = best(scores, 0, env.count, 1)
+            if one != NOTHING and (scores[one] < value or (scores[one] == value and side == plan.mirroring)):
+                value = scores[one]
+                number = one
+                mirroring = side
+        k = number // LENGTHS
+        # It may fall short of what the cost to go says, but one that just drives away from the way out falls short by twice its length.
+        if (
+            value == NOTHING
+            or value > self._here + min(env.lengths[1], env.lengths[number % LENGTHS])
+            or self._ways.free_of[mirroring][k] < self._config.avoid_accept
+        ):
+            return False
+        plan.take(mirroring, k)
+        plan.moves = 0
+        plan.limit = env.look_ahead
+        plan.why = reasons.BEND if k < env.arcs else reasons.CRAB if k > env.arcs else reasons.ON
+        return True
+
+    def longest(self, mirrorings, least):
+        """Take the candidate that is free farthest, of several the first; returns how far, mm, 0 if none is farther than least."""
+        found = -1
+        mirroring = 0
+        for one in mirrorings:
+            free = self._ways.free_of[one]
+            for k in range(self._candidates.count):
+                if free[k] > least:
+                    least = free[k]
+                    mirroring = one
+                    found = k
+        if found < 0:
+            return 0
+        self._plan.take(mirroring, found)
+        return least
+
+    def _escape(self, odometry):
+        """To and fro on the same ground has led nowhere: go back or on as far as anything goes, and look from there. False if nothing goes far."""
+        lengths = self._candidates.lengths
+        most = self.longest((2, 3, 0, 1), lengths[2])
+        if not most:
+            return False
+        self.two_step.found = False  # no second move
+        self._plan.begin(1, min(most - lengths[0], lengths[3]), odometry, reasons.AGAIN)
+        self._reversals = 0
+        return True
+
+    def _count_reversals(self, odometry, back):
+        """How often the robot has backed up since it last got anywhere: a third of its length on, or 15 degrees round."""
+        if away(self._anchor, odometry, self._candidates.half_length * 2 // 3, 15000):
+            mark(self._anchor, odometry)
+            self._reversals = 0
+        self._reversals += back

@@ -1,0 +1,74 @@
+"""What is being driven: one steering, or the two moves of a plan one after the other as long as the points agree."""
+
+from micropython import const
+
+from planner import reasons
+
+STANDING = const(90)
+_ARRIVED = const(4)  # mm before its end a move is over
+_SLACK = const(10)  # mm that the way ahead may be short of what is left of a move: points waver
+
+
+class Plan:
+    """The steering chosen last, how far it goes, and why. Laid out by planner/build.py.
+
+    mirroring, candidate    which one: bit 0 of mirroring left, bit 1 backward
+    af, ar, v               0.1 deg; speed 0..180, 90 stands
+    free                    mm that the points leave it
+    limit                   mm to drive on it at most
+    moves                   of a plan: 0 there is none, the steering is decided anew all the time; 1 in the first move; 2 in the second
+    why                     planner/reasons.py
+    """
+
+    def take(self, mirroring, candidate):
+        """Choose a steering; how far it is free was checked before."""
+        candidates = self._candidates
+        self.mirroring = mirroring
+        self.candidate = candidate
+        self.af = candidates.af_of(mirroring, candidate)
+        self.ar = candidates.ar_of(mirroring, candidate)
+        self.free = self._ways.free_of[mirroring][candidate]
+
+    def begin(self, moves, length, odometry, why):
+        """The steering taken is a move of `length` mm: number `moves` of a plan."""
+        self.moves = moves
+        self.limit = length
+        self._until = odometry.travel256 + (length << 8)
+        self.why = why
+
+    def stand(self, why):
+        self.v = STANDING
+        self.limit = 0
+        self.moves = 0
+        self.why = why
+
+    def look(self):
+        """How far the steering is free among the points as they are now."""
+        self.free = free = self._ways.free(self.mirroring, self.candidate)
+        return free
+
+    def left(self, odometry):
+        """What is left of the move that is being driven, mm."""
+        return (((self._until - odometry.travel256) & 0x3FFFFFF ^ 0x2000000) - 0x2000000) >> 8
+
+    def arrived(self, odometry):
+        return self.left(odometry) <= _ARRIVED
+
+    def follow(self, odometry):
+        """Go on with the plan if the points still allow it. False when it is over."""
+        left = self.left(odometry)
+        lengths = self._candidates.lengths
+        if left > _ARRIVED:
+            self.limit = left
+            if self.free >= min(left, 2 * lengths[0]) - _SLACK:
+                return True
+        elif self.moves == 1 and self._two_step.found:
+            second = self._two_step
+            mirroring = second.second_mirroring
+            length = second.second_length
+            if self._ways.free(mirroring, second.second_candidate) >= min(length, lengths[1]):
+                self.take(mirroring, second.second_candidate)
+                self.begin(2, length, odometry, reasons.PLAN)
+                return True
+        self.moves = 0
+        return False
