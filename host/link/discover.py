@@ -7,15 +7,12 @@ from link import frames
 from .messages import decode
 from .radio import PORT, listen
 
-# USB bridges on ESP32 boards: CP210x, CH340/CH9102, FTDI, and the chip's own
-_BRIDGES = {(0x10C4, 0xEA60), (0x1A86, 0x7523), (0x1A86, 0x55D4), (0x0403, 0x6001), (0x0403, 0x6015), (0x303A, 0x1001)}
-
 
 def boards() -> list[str]:
     """Addresses of serial ports that look like an ESP32 board."""
-    from serial.tools import list_ports
+    from host.flash import ports
 
-    return [f"serial:{port.device}" for port in sorted(list_ports.comports()) if (port.vid, port.pid) in _BRIDGES]
+    return [f"serial:{port.device}" for port in ports.candidates()]
 
 
 def robots(seconds: float = 1.5, port: int = PORT) -> list[tuple[str, dict]]:

@@ -144,5 +144,5 @@ def _robot(config, avoid, drive, link, lidar_line, screen_line):
         from link.screen import Screen
 
         screen = Screen(screen_line, once["screen_kind"], once["screen_baud"])
-        unload("link.reason_texts")
+        unload("link.reason_texts", "link.screen_dialects")
     return Robot(config, avoid, lidar, drive, health, link, screen)
