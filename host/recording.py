@@ -84,7 +84,7 @@ class Decision(NamedTuple):
     """What `Avoid` decided, in the firmware's own units.
 
     number: the firmware's counter of decisions. af, ar: 0.1 deg. v: 0..180. mode, window, zone, why: see firmware/lib/avoid.py.
-    free: mm. block_x, block_y: body frame, mm, 32767 when nothing blocks.
+    free: mm. block_x, block_y: body frame, mm, 32767 when nothing blocks. time_us: when; that of its record, so it is not packed.
     """
 
     number: int
@@ -98,9 +98,10 @@ class Decision(NamedTuple):
     block_x: int
     block_y: int
     why: int
+    time_us: int = 0
 
     def pack(self) -> bytes:
-        return _DECISION.pack(*self)
+        return _DECISION.pack(*self[:-1])
 
     @classmethod
     def unpack(cls, data: bytes) -> "Decision":

@@ -4,7 +4,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from host.twin import Watch
+from host.twin import Observer
 from host.twin import run as drive
 
 from . import plan, planners
@@ -16,7 +16,7 @@ TRACK_S = 0.05  # no more poses than one in this time are kept
 STANDS_S = 12.0  # longer than a wall holds the body before the twin calls it blocked
 
 
-class _Patience(Watch):
+class _Patience(Observer):
     """Ends a run in which the robot stands: a planner without a memory will not think of anything else."""
 
     def __init__(self):

@@ -12,14 +12,35 @@
 
 Messages are dicts; `host.link.messages` lists them.
 
-    address     addresses and what they open
+    address     addresses taken apart
     base        what all links share: decoding, commands, taps
     messages    payloads of the wire format <-> dicts
     wire, radio, twin, playback    one kind of link each
     discover    which robots there are
 """
 
-from .address import AddressError, connect
+from .address import AddressError, parse
 from .base import Link, LinkError
 
 __all__ = ["AddressError", "Link", "LinkError", "connect"]
+
+
+def connect(text: str) -> Link:
+    """Open the link that an address names. Raises AddressError or LinkError."""
+    address = parse(text)
+    # Imported when needed: the twin needs numpy, the serial line pyserial.
+    if address.scheme == "serial":
+        from .wire import WireLink
+
+        return WireLink(text, address.place)
+    if address.scheme == "udp":
+        from .radio import RadioLink
+
+        return RadioLink(text, address.place)
+    if address.scheme == "twin":
+        from .twin import TwinLink
+
+        return TwinLink(text, address.place, address.options)
+    from .playback import PlaybackLink
+
+    return PlaybackLink(text, address.place)

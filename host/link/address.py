@@ -28,24 +28,3 @@ def parse(text: str) -> Address:
         raise AddressError(f"{text!r} names no place after the colon; write one of: {FORMS}")
     pairs = parse_qsl(query, keep_blank_values=True)
     return Address(scheme, place, dict(pairs))
-
-
-def connect(text: str):
-    """Open the link that an address names. Raises AddressError or LinkError."""
-    address = parse(text)
-    # Imported when needed: the twin needs numpy, the serial line pyserial.
-    if address.scheme == "serial":
-        from .wire import WireLink
-
-        return WireLink(text, address.place)
-    if address.scheme == "udp":
-        from .radio import RadioLink
-
-        return RadioLink(text, address.place)
-    if address.scheme == "twin":
-        from .twin import TwinLink
-
-        return TwinLink(text, address.place, address.options)
-    from .playback import PlaybackLink
-
-    return PlaybackLink(text, address.place)

@@ -57,7 +57,7 @@ class TwinLink(Link):
 
     def __init__(self, address: str, course: str, options: dict):
         super().__init__(address)
-        from host.twin.simulation import LIMIT_US, Watch
+        from host.twin.simulation import LIMIT_US, Observer
 
         arguments = arguments_of(course, options)
         self._outgoing: list[bytes] = []
@@ -67,7 +67,7 @@ class TwinLink(Link):
         self._limit = LIMIT_US
         self._held = False  # a person drives it, or has stopped it
         self._looked = 0.0
-        watch = _make_watch(Watch, self)
+        watch = _make_watch(Observer, self)
         self._thread = threading.Thread(target=self._run, args=(arguments, watch), daemon=True)
         self._thread.start()
         self.greet()

@@ -9,6 +9,6 @@ nothing of what the firmware means to do; it sees bytes on I2C, pins and serial 
 """
 
 from .run import MODES, Result, load_config, run
-from .simulation import Decision, Watch
+from .simulation import Observer
 
-__all__ = ["MODES", "Decision", "Result", "Watch", "load_config", "run"]
+__all__ = ["MODES", "Observer", "Result", "load_config", "run"]

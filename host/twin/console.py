@@ -5,13 +5,13 @@ from math import degrees
 
 from host import compat
 
-from .simulation import Watch
+from .simulation import Observer
 
 WINDOWS = ("none", "green", "red", "blue", "yellow")
 EVERY_US = 500_000
 
 
-class Progress(Watch):
+class Progress(Observer):
     """Prints a line twice a second, and whatever the firmware prints."""
 
     def __init__(self, out=print):

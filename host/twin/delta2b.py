@@ -20,7 +20,7 @@ class Delta2B:
 
     mount: `vehicle.Lidar`. world: World. random: Generator. version: 1 = 16-bit sum as check, 0 = CRC-16.
 
-    unplugged: for a Watch to set: it turns and measures, but nothing arrives.
+    unplugged: for an Observer to set: it turns and measures, but nothing arrives.
     due: time (us) at which the next frame, of either kind, has been measured.
     """
 

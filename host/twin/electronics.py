@@ -13,7 +13,7 @@ class Electronics:
     """Three PCA9685 chips, the output-enable pin, the lidar's motor driver and the inputs.
 
     enabled: whether the output-enable pin lets the outputs of the chips through.
-    stop_pressed, battery_volts, chips: for a Watch to change; a chip taken out of `chips` no longer answers.
+    stop_pressed, battery_volts, chips: for an Observer to change; a chip taken out of `chips` no longer answers.
     latch: time (us) at which the servos answer to changed pulses, NEVER while nothing has changed.
     """
 

@@ -12,7 +12,7 @@ from host.recording import Stream
 
 from . import image
 from .console import reasons
-from .simulation import Watch
+from .simulation import Observer
 
 POSE_US = 20_000  # no more poses than one in this time
 OUT = image.ROOT / "out" / "ended-badly"
@@ -39,7 +39,7 @@ def version(firmware):
     return f"{number}+{sources_digest(firmware)[:12]}"
 
 
-class Recorder(Watch):
+class Recorder(Observer):
     """Records all that goes into and comes out of the firmware.
 
     writer: recording.Writer. Of several watches this must be the first to be told, so that it sees the inputs as the firmware did.
@@ -84,8 +84,7 @@ class Recorder(Watch):
         self._writer.write(Stream.READ, int(time), bytes((address,)) + data)
 
     def decision(self, decision):
-        time, *fields = vars(decision).values()
-        self._writer.write(Stream.DECISION, int(time), recording.Decision(*fields).pack())
+        self._writer.write(Stream.DECISION, int(decision.time_us), decision.pack())
 
     def uart(self, time, gpio, data):
         self._writer.write(Stream.UART, int(time), bytes((gpio,)) + data)
@@ -135,7 +134,7 @@ class Recorder(Watch):
         return path
 
 
-class Several(Watch):
+class Observers(Observer):
     """Tells several watches, in their order."""
 
     def __init__(self, *watches):

@@ -12,8 +12,8 @@ import numpy as np
 
 from . import courses, image, wire
 from .process import FirmwareStopped, Process
-from .recorder import Recorder, Several
-from .simulation import BLOCKED, PASS, TIMEOUT, Simulation, Watch
+from .recorder import Observers, Recorder
+from .simulation import BLOCKED, PASS, TIMEOUT, Observer, Simulation
 from .vehicle import Vehicle
 
 MODES = ("aws", "naws")
@@ -24,7 +24,7 @@ class Result:
     """What a run gave.
 
     track: (n, 4) time s, x mm, y mm, heading deg (clockwise from +y), not more often than 100 a second. log: the
-    decisions, see `simulation.Decision`. touches: (time s, x, y, heading deg) where each contact began. recording: file of the
+    decisions, see `host.recording.Decision`. touches: (time s, x, y, heading deg) where each contact began. recording: file of the
     recording, if there is one.
     """
 
@@ -86,7 +86,7 @@ def run(
 
     course, width, gap, mirror, reverse, angle, scale: see `courses.make`. seed: of the robot's imperfections and the noise; other than 0
     it perturbs the start as well. mode: "aws" or "naws", None as robot.json says. speed: factor on real time, None = as fast as
-    possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it. watch: simulation.Watch, told what
+    possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it. watch: simulation.Observer, told what
     happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run earlier than after 60 s.
     heap, clock_us: of the board, see `Process`.
     chip: factor on the speed of an ESP32, math.inf = computing takes no time.
@@ -96,14 +96,14 @@ def run(
     settings = load_config(config, mode, changes)
     vehicle = Vehicle.from_settings(settings)
     layout = courses.make(course, width, gap, seed, mirror, reverse, angle, scale)
-    watch = watch or Watch()
+    watch = watch or Observer()
     text = json.dumps(settings)
     address = _address(course, layout.width, gap, seed, mirror, reverse, angle, scale)
     with ExitStack() as stack:
         recorder = None
         if record is not False:
             recorder = stack.enter_context(Recorder.begin(record, text, address, firmware, {"engine": engine}))
-            watch = Several(recorder, watch)
+            watch = Observers(recorder, watch)
         simulation = Simulation(layout, vehicle, seed, watch)
         child = Process(engine, text, watch.serial, firmware, heap, chip, clock_us)
         stack.callback(child.close)

@@ -1,8 +1,8 @@
 """The closed loop: firmware, electronics, body, world and lidar, in lockstep."""
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from host.recording import Decision
 
 from . import wire
 from .body import Body
@@ -20,31 +20,13 @@ ROOM = wire.REPLY - wire.PAYLOAD
 PASS, LOCAL_COLLISION, BLOCKED, TIMEOUT = "pass", "local_collision", "blocked", "timeout"
 
 
-@dataclass(frozen=True)
-class Decision:
-    """What the firmware decided, as read out of it. Angles in 0.1 deg, free and block in mm."""
-
-    time_us: int
-    number: int
-    af: int
-    ar: int
-    v: int
-    mode: int
-    window: int
-    zone: int
-    free: int
-    block_x: int
-    block_y: int
-    why: int
-
-
 class Simulation:
     """One run.
 
-    course: Course. vehicle: Vehicle. seed: of the imperfections; other than 0 it perturbs the start as well. watch: Watch.
+    course: Course. vehicle: Vehicle. seed: of the imperfections; other than 0 it perturbs the start as well. watch: Observer.
 
-    now: simulated time, us. limit: when the run has failed, us; a Watch may put it off.
-    body, lidar, electronics, contact: the parts; a Watch may change what they hold, to see what the firmware does.
+    now: simulated time, us. limit: when the run has failed, us; an Observer may put it off.
+    body, lidar, electronics, contact: the parts; an Observer may change what they hold, to see what the firmware does.
     result: None until the run is over, then one of PASS, LOCAL_COLLISION, BLOCKED, TIMEOUT; reason: why, when there is more to say.
     """
 
@@ -113,7 +95,7 @@ class Simulation:
     def _decide(self, request):
         probe = request.probe
         if probe[0] and (not self.decisions or self.decisions[-1].number != probe[0]):
-            self.decisions.append(Decision(request.now, *probe))
+            self.decisions.append(Decision(*probe, time_us=request.now))
             self._watch.decision(self.decisions[-1])
 
     def _move(self, time):
@@ -155,7 +137,7 @@ class Simulation:
             self.result, self.reason = result, reason
 
 
-class Watch:
+class Observer:
     """Told what happens; the base class ignores it all. Times in us."""
 
     def lidar(self, time, data):

@@ -2,10 +2,10 @@
 
 import pytest
 
-from host.twin import Watch, run
+from host.twin import Observer, run
 
 
-class Interrupter(Watch):
+class Interrupter(Observer):
     """Presses Ctrl-C once the robot drives."""
 
     def __init__(self):

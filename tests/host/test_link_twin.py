@@ -6,12 +6,12 @@ import struct
 import pytest
 
 from host.link import messages
-from host.twin import Watch, run
+from host.twin import Observer, run
 from link import frames as whole_frames
 from link import protocol
 
 
-class Hand(Watch):
+class Hand(Observer):
     """Sends commands at given times (s) and notes the speed of the body and the messages of the robot."""
 
     def __init__(self, plan):

@@ -9,7 +9,7 @@ import pytest
 
 from host import micropython
 from host.micropython import mpy
-from host.twin import Watch, courses, image, memory, run
+from host.twin import Observer, courses, image, memory, run
 
 KIB = 1024
 WIFI = {"wifi.ssid": "net", "wifi.password": "12345678"}
@@ -28,7 +28,7 @@ print("live", gc.mem_alloc())
 BEFORE_THE_LOOP = "\ntry:\n    while True:"
 
 
-class Printed(Watch):
+class Printed(Observer):
     """Keeps what the firmware prints."""
 
     def __init__(self):

@@ -9,7 +9,7 @@ from host.recording import Decision, Header, Reader, Stream, Writer
 from host.replay import __main__ as command_line
 from host.replay import compare, table
 from host.replay.tape import Log
-from host.twin import Watch, cli, image, recorder, run
+from host.twin import Observer, cli, image, recorder, run
 from link import frames as whole_frames
 from link import protocol
 
@@ -44,7 +44,7 @@ while True:
 """
 
 
-class Meddler(Watch):
+class Meddler(Observer):
     """Does everything that may be done to a robot from outside."""
 
     def __init__(self):
@@ -64,7 +64,7 @@ class Meddler(Watch):
         return b"\x05" if 500_000 < self._now < 700_000 else b""
 
 
-class Hand(Watch):
+class Hand(Observer):
     """Drives by hand for a while, tunes, then lets the robot drive itself."""
 
     def __init__(self):

@@ -5,12 +5,12 @@ import os
 
 import pytest
 
-from host.twin import Watch, image, process, run, silence
+from host.twin import Observer, image, process, run, silence
 
 ENGINES = ("micropython", "cpython")  # of what does not depend on the size of words
 
 
-class Log(Watch):
+class Log(Observer):
     """Keeps what the board sends."""
 
     def __init__(self):
