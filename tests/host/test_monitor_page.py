@@ -288,14 +288,49 @@ def test_a_gamepad_drives(monitor):
     assert page.until(lambda: page.speeds())
     page.click("stop")
     assert page.until(lambda: page.text("state") == "stopped")
-    pad = """window.pad = {axes: [0, 0], buttons: Array.from({length: 10}, () => ({pressed: false}))};
+    pad = """window.pad = {id: "pad", axes: [0.15, 0], buttons: Array.from({length: 10}, () => ({pressed: false}))};
         Object.defineProperty(navigator, "getGamepads", {value: () => [window.pad]})"""
     page.browser.execute_script(pad)
-    page.browser.execute_script("window.pad.axes = [0, -1]")
+    time.sleep(1)  # it is seen at rest, which is no command, wherever it rests
+    assert page.text("state") == "stopped"
+    page.browser.execute_script("window.pad.axes = [0.15, -1]")
     assert page.until(lambda: page.text("state") == "manual" and max(page.speeds()) > 100)
-    page.browser.execute_script("window.pad.axes = [0.05, 0.02]")
+    page.browser.execute_script("window.pad.axes = [0.2, 0.02]")
     assert page.until(lambda: max(map(abs, page.speeds())) == 0, 2)
     page.browser.execute_script("window.pad.axes = [1, 0]; window.pad.buttons[5].pressed = true")
     assert page.until(lambda: page.browser.find_elements("css selector", "#modes [aria-checked=true]")[0].text.startswith("2"))
     page.browser.execute_script("window.pad.axes = [0, 0]; window.pad.buttons[0].pressed = true")
     assert page.until(lambda: page.text("state") == "stopped")
+
+
+@pytest.mark.parametrize(
+    "pad",
+    (
+        "{id: 'motion sensors, gravity on an axis', axes: [0.02, -0.98], buttons: []}",
+        "{id: 'wheel, pedals at rest', axes: [0, 1], buttons: []}",
+        "{id: 'start held since before the page', axes: [0, 0], buttons: Array.from({length: 10}, (_, k) => ({pressed: k === 9}))}",
+    ),
+)
+def test_a_pad_that_nobody_touches_drives_nothing(monitor, pad):
+    page = monitor("twin:random?seed=3")
+    assert page.until(lambda: page.speeds())
+    page.click("stop")
+    assert page.until(lambda: page.text("state") == "stopped")
+    page.browser.execute_script(f'Object.defineProperty(navigator, "getGamepads", {{value: () => [{pad}]}})')
+    assert not page.until(lambda: page.text("state") != "stopped", 2)
+
+
+def test_a_speed_set_by_key_springs_back_when_the_key_is_let_go(monitor):
+    from selenium.webdriver import ActionChains
+    from selenium.webdriver.common.keys import Keys
+
+    page = monitor("twin:random?seed=3")
+    assert page.until(lambda: page.speeds())
+    page.click("stop")
+    assert page.until(lambda: page.text("state") == "stopped")
+    lever = page.browser.find_element("id", "v")
+    page.browser.execute_script("arguments[0].scrollIntoView({block: 'center'}); arguments[0].value = 110; arguments[0].focus()", lever)
+    ActionChains(page.browser).key_down(Keys.ARROW_UP).perform()
+    assert page.until(lambda: page.text("state") == "manual" and max(page.speeds()) > 100)
+    ActionChains(page.browser).key_up(Keys.ARROW_UP).perform()
+    assert page.until(lambda: max(map(abs, page.speeds())) == 0, 2)

@@ -1,5 +1,7 @@
 // Driving by hand: keys, stick, gamepad, levers. Sends as long as it is in charge; what is not sent, the robot takes for a stop.
 
+import { Pads } from "./pads.js";
+
 const PERIOD_MS = 80;
 const LOCK = 60; // degrees of full steering
 
@@ -33,7 +35,7 @@ export class Hand {
     this.mode = 0;
     this.keys = new Set();
     this.stick = { x: 0, y: 0 };
-    this.pressed = [];
+    this.pads = new Pads();
     this.build();
     setInterval(() => this.tick(), PERIOD_MS);
   }
@@ -64,7 +66,7 @@ export class Hand {
     stick.onpointermove = (event) => {
       if (stick.hasPointerCapture(event.pointerId)) move(event);
     };
-    stick.onpointerup = stick.onpointercancel = () => { this.stick = { x: 0, y: 0 }; };
+    stick.onpointerup = stick.onpointercancel = stick.onlostpointercapture = () => { this.stick = { x: 0, y: 0 }; };
     this.levers = Object.fromEntries(["af", "ar", "v", "top"].map((name) => [name, document.getElementById(name)]));
     for (const [name, lever] of Object.entries(this.levers)) {
       lever.oninput = () => {
@@ -74,7 +76,7 @@ export class Hand {
         this.take();
       };
       // A lever of speed springs back, or a robot would drive on with nobody's hand on it.
-      if (name === "v") lever.onpointerup = lever.onpointercancel = lever.onblur = () => this.set("v", 90);
+      if (name === "v") lever.onpointerup = lever.onpointercancel = lever.onlostpointercapture = lever.onkeyup = lever.onblur = () => this.set("v", 90);
     }
     addEventListener("blur", () => this.letGo());
     document.addEventListener("visibilitychange", () => document.hidden && this.letGo());
@@ -128,27 +130,22 @@ export class Hand {
     const held = (code) => (this.keys.has(code) ? 1 : 0);
     x += held("ArrowRight") - held("ArrowLeft");
     y += held("ArrowUp") - held("ArrowDown");
-    for (const pad of navigator.getGamepads?.() || []) {
-      if (!pad) continue;
-      const dead = (value) => (Math.abs(value) < 0.12 ? 0 : value);
-      const px = dead(pad.axes[0] || 0), py = -dead(pad.axes[1] || 0);
-      if (px || py) this.take();
-      x += px;
-      y += py;
-      this.buttons(pad);
-    }
+    // A page that nobody looks at has no hand at the pad either.
+    const seen = !document.hidden && (document.hasFocus?.() ?? true);
+    const pads = this.pads.read(seen ? navigator.getGamepads?.() || [] : [], performance.now());
+    if (pads.x || pads.y) this.take();
+    this.buttons(pads.hits);
+    x += pads.x;
+    y += pads.y;
     const clip = (value) => Math.max(-1, Math.min(1, value));
     return { x: clip(x), y: clip(y) };
   }
 
-  buttons(pad) {
-    const now = pad.buttons.map((button) => button.pressed);
-    const hit = (k) => now[k] && !this.pressed[k];
-    if (hit(0) || hit(1)) this.stop();
-    if (hit(9)) this.auto();
-    if (hit(4)) this.choose((this.mode + 4) % 5);
-    if (hit(5)) this.choose((this.mode + 1) % 5);
-    this.pressed = now;
+  buttons(hits) {
+    if (hits.includes(0) || hits.includes(1)) this.stop();
+    else if (hits.includes(9)) this.auto();
+    if (hits.includes(4)) this.choose((this.mode + 4) % 5);
+    if (hits.includes(5)) this.choose((this.mode + 1) % 5);
   }
 
   tick() {
