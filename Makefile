@@ -47,7 +47,7 @@ bench: $(READY)  ## measure what the firmware's stages take, here and on the ESP
 experiments: $(READY)  ## run the papers' experiments and write docs/results.md (ARGS=--quick for a taste, --cluster ADDRESS)
 	@$(RUN) -m host.experiments $(ARGS)
 
-budget: $(STAMP)  ## what the firmware takes of the board's memory, measured, and what is left (ARGS="--option screen.kind=nextion")
+budget: $(READY)  ## what the firmware takes of the board's memory, measured, and what is left (ARGS="--option screen.kind=nextion")
 	@$(RUN) -m host.budget $(ARGS)
 
 # What host.flash takes: PORT=/dev/ttyUSB0 FIRMWARE=file.bin BAUD=115200 BLANK=1 DRY=1
