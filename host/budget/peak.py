@@ -11,13 +11,13 @@ from pathlib import Path
 from host.link import messages
 from host.twin import image
 from link import frames as whole_frames
-from link import telemetry
+from link import protocol
 
 from . import trace
 
 ROUNDS = 100
 TURNS_A_ROUND = 400
-_PORTION = 64  # bytes the firmware reads from the line in one turn of its loop
+_PORTION = 16  # bytes the firmware reads from the line in one turn of its loop
 _STEP = 1024
 
 
@@ -38,12 +38,12 @@ def commands(rounds: int) -> bytes:
     counter = 0
     for k in range(rounds):
         for kind, payload, turns in (
-            (telemetry.WATCH, messages.watch(counter + 1, True, True), 15),
-            (telemetry.GREET, messages.greet(counter + 2, True), 40),
-            (telemetry.LIST, messages.plain(counter + 3), 40),
-            (telemetry.TUNE, messages.tune(counter + 4, "drive.cruise", 106 + k % 3), 40),
-            (telemetry.KEEP, messages.plain(counter + 5), 240),
-            (telemetry.WATCH, messages.watch(counter + 6, False, False), TURNS_A_ROUND - 375),
+            (protocol.WATCH, messages.watch(counter + 1, True, True), 15),
+            (protocol.GREET, messages.greet(counter + 2, True), 40),
+            (protocol.LIST, messages.plain(counter + 3), 40),
+            (protocol.TUNE, messages.tune(counter + 4, "drive.cruise", 106 + k % 3), 40),
+            (protocol.KEEP, messages.plain(counter + 5), 240),
+            (protocol.WATCH, messages.watch(counter + 6, False, False), TURNS_A_ROUND - 375),
         ):
             out += [whole_frames.frame(kind, payload), _pause(turns)]
         counter += 6
@@ -58,12 +58,12 @@ def answers(output: bytes) -> Answers:
     """What the robot's output answers to the rounds."""
     replies, parameters, hellos, scans = [], 0, 0, 0
     for kind, _, payload in whole_frames.decode(output):
-        if kind == telemetry.REPLY:
-            replies.append(struct.unpack_from(telemetry.REPLY_FORMAT, payload)[2:] + (payload[struct.calcsize(telemetry.REPLY_FORMAT) :].decode(),))
-        parameters += kind == telemetry.PARAMETER
-        hellos += kind == telemetry.HELLO
-        scans += kind == telemetry.SCAN
-    return Answers([text for status, text in replies if status != telemetry.OK], len(replies), parameters, hellos, scans)
+        if kind == protocol.REPLY:
+            replies.append(struct.unpack_from(protocol.REPLY_FORMAT, payload)[2:] + (payload[struct.calcsize(protocol.REPLY_FORMAT) :].decode(),))
+        parameters += kind == protocol.PARAMETER
+        hellos += kind == protocol.HELLO
+        scans += kind == protocol.SCAN
+    return Answers([text for status, text in replies if status != protocol.OK], len(replies), parameters, hellos, scans)
 
 
 def live_after(config: dict, rounds: int, firmware: Path = image.FIRMWARE) -> tuple[int, Answers]:

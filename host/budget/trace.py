@@ -28,7 +28,7 @@ from host.twin import courses, image
 from host.twin.delta2b import Delta2B
 from host.twin.vehicle import Vehicle
 from host.twin.world import World
-from link import auth, telemetry
+from link import auth, protocol
 from link import frames as whole_frames
 
 BOARD = Path(__file__).resolve().parent / "board"
@@ -72,13 +72,9 @@ def board(config: dict, firmware: Path = image.FIRMWARE, commands: bytes = b""):
         (folder / "commands.bin").write_bytes(commands)
         (folder / "datagrams.bin").write_bytes(datagrams())
         (folder / "network.key").write_bytes(_KEY)
-        put_tables(config, folder)
+        if (firmware / "lib" / "planner" / "tables.py").exists():
+            build.put_tables((folder / "robot.json").read_bytes(), folder)
         yield folder
-
-
-def put_tables(config: dict, folder: Path) -> None:
-    """The tables that `make flash` makes beforehand."""
-    build.put_tables(json.dumps(config).encode(), folder)
 
 
 def start(folder: Path, what: str = "end", heap: int = LARGE, turns: int = TURNS) -> "Run":
@@ -222,7 +218,7 @@ def datagrams() -> bytes:
     out = []
     for counter in range(1, 65):
         payload = messages.greet(counter, counter % 8 == 1)
-        head = struct.pack("<BBHH", telemetry.VERSION, telemetry.GREET, 0, len(payload) + auth.TAG)
-        data = whole_frames.frame(telemetry.GREET, payload + auth.tag(_KEY, _SESSION, head + payload))
+        head = struct.pack("<BBHH", protocol.VERSION, protocol.GREET, 0, len(payload) + auth.TAG)
+        data = whole_frames.frame(protocol.GREET, payload + auth.Signer(_KEY).tag(_SESSION, head + payload))
         out.append(struct.pack("<H", len(data)) + data)
     return b"".join(out)

@@ -74,10 +74,10 @@ def put_tables(settings: bytes, folder: Path) -> BoardFile | None:
         from planner import tables
     except ImportError:
         return None
-    from params.config import Config, ConfigError
+    from params.config import Config
 
     try:
         tables.save(Config(json.loads(settings)), str(folder / TABLES))
-    except (ConfigError, ValueError):
+    except ValueError:
         return None
     return BoardFile(TABLES, folder / TABLES)

@@ -36,30 +36,42 @@ class Pin:
         pass
 
 
+_registers = {0x40: bytearray(256), 0x41: bytearray(256), 0x42: bytearray(256)}  # of the three PCA9685
+
+
 class I2C:
-    """A bus on which every chip answers."""
+    """A bus on which the three chips answer and remember what was written."""
 
     def __init__(self, *settings, **named):
-        self._modes = {}
+        self._at = 0
 
     def writeto(self, address, data, stop=True):
+        registers = _registers[address]
+        self._at = data[0]
+        for k in range(1, len(data)):
+            registers[self._at + k - 1] = data[k]
+        registers[0] &= 0x7F  # RESTART reads as 0 once it is done
         return len(data)
 
     def writeto_mem(self, address, register, data):
-        if register == 0:
-            self._modes[address] = data[0] & 0x7F  # RESTART reads as 0 once it is done
+        registers = _registers[address]
+        for k in range(len(data)):
+            registers[register + k] = data[k]
+        registers[0] &= 0x7F
 
     def readfrom_into(self, address, buffer, stop=True):
-        buffer[0] = self._modes.get(address, 0x20)
+        self.readfrom_mem_into(address, self._at, buffer)
 
     def readfrom_mem_into(self, address, register, buffer):
-        buffer[0] = self._modes.get(address, 0x20)
+        registers = _registers[address]
+        for k in range(len(buffer)):
+            buffer[k] = registers[register + k]
 
     def readfrom_mem(self, address, register, count):
-        return bytes([self._modes.get(address, 0x20)] * count)
+        return bytes(_registers[address][register : register + count])
 
     def scan(self):
-        return [0x40, 0x41, 0x42]
+        return sorted(_registers)
 
 
 class UART:
