@@ -102,7 +102,7 @@ def _two_step(candidates, move_cost, ways, scores):
     two_step = TwoStep()
     two_step._candidates = candidates
     two_step._move_cost = move_cost
-    two_step._ways = ways
+    two_step.ways = ways
     two_step.scores = scores
     two_step.mirroring = bytearray(MOST)
     two_step.candidate = bytearray(MOST)

@@ -91,7 +91,7 @@ class Decision:
         """Lower bounds of the moves ahead to one side."""
         side = self._side
         plan = self._plan
-        self._next = self.move_cost.bound(side, self._ways.free_of[side], self.scores[side], self._next, plan.af, plan.ar)
+        self._next = self.move_cost.lower_bound(side, self._ways.free_of[side], self.scores[side], self._next, plan.af, plan.ar)
         if self._next < self._candidates.count:
             return _BOUND
         self._next = 0
@@ -103,7 +103,7 @@ class Decision:
         scores = self.scores[side]
         ways = self._ways
         ways.mirror(side)
-        number = self.move_cost.check_best(ways, ways.free_of[side], scores, self._least)
+        number = self.move_cost.best_first(ways, ways.free_of[side], scores, self._least)
         ways.mirror(side)
         if number < 0:
             return _CHECK_BEST

@@ -274,7 +274,7 @@ class MoveCost:
         self._run(free, scores)
         _add_points(scores, free, soft, self._candidates.lengths, self._job)
 
-    def bound(self, mirroring, free, scores, first, af, ar):
+    def lower_bound(self, mirroring, free, scores, first, af, ar):
         """Lower bounds: as score(), as if there were no points, from candidate `first` on, as many as a slice allows. Returns the next one.
 
         free becomes 65535, of these only: candidates for driving backward must not seem free ahead.
@@ -287,7 +287,7 @@ class MoveCost:
         self._run(free, scores)
         return last
 
-    def check_best(self, ways, free, scores, most):
+    def best_first(self, ways, free, scores, most):
         """Check the candidates best first, the points of `ways` being mirrored, until the best of all is known: no score gets better by it.
 
         Returns the number of the best move, NOTHING if none costs `most` or less, -1 if it takes another slice.

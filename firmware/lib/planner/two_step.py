@@ -94,7 +94,7 @@ class TwoStep:
     def _stand_at_end(self):
         """The points as seen from where the first move ends, mirrored for second moves to the left."""
         env = self._candidates
-        ways = self._ways
+        ways = self.ways
         at = self._at
         x, y = self.scores[1], self.scores[2]
         fine = at >= self._coarse
@@ -112,7 +112,7 @@ class TwoStep:
 
     def _try_some(self, env):
         """Check and score the next second moves, and keep the best pair. Returns the candidate after them."""
-        ways = self._ways
+        ways = self.ways
         scores = self.scores[0]
         free = self._free
         at = self._at
@@ -147,7 +147,7 @@ class TwoStep:
         unit = self._candidates.half_length // 25
         for d in (-3, -2, -1, 1, 2, 3):
             other = length + d * unit
-            if 2 * unit < other <= self._ways.free_of[mirroring][candidate]:
+            if 2 * unit < other <= self.ways.free_of[mirroring][candidate]:
                 n = self.count
                 self.mirroring[n] = mirroring
                 self.candidate[n] = candidate

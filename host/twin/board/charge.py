@@ -398,35 +398,35 @@ def _score(self, mirroring, free, soft, scores, first, last, stride, af, ar, ext
 
 
 @_wraps(_BOUNDS, "planner.move_cost:MoveCost.lower_bound|promise")
-def _bounds(self, mirroring, free, swept, scores, first, af, ar):
+def _bounds(self, mirroring, free, scores, first, af, ar):
     enter()
-    out = _originals[_BOUNDS](self, mirroring, free, swept, scores, first, af, ar)
+    out = _originals[_BOUNDS](self, mirroring, free, scores, first, af, ar)
     leave(_BOUNDS, out - first, 0)
     return out
 
 
 @_wraps(_BEST_FIRST, "planner.move_cost:MoveCost.best_first|keep_promises")
-def _best_first(self, sweep, px, py, n, free, soft, block, swept, scores, most):
+def _best_first(self, ways, free, scores, most):
     enter()
     before = _tested
-    out = _originals[_BEST_FIRST](self, sweep, px, py, n, free, soft, block, swept, scores, most)
+    out = _originals[_BEST_FIRST](self, ways, free, scores, most)
     leave(_BEST_FIRST, _tested - before, 0)
     return out
 
 
 @_wraps(_CHOOSE_FIRST, "planner.two_step:TwoStep.choose_first|pick")
-def _choose_first(self, scores):
+def _choose_first(self):
     enter()
-    out = _originals[_CHOOSE_FIRST](self, scores)
+    out = _originals[_CHOOSE_FIRST](self)
     leave(_CHOOSE_FIRST, 0, 0)
     return out
 
 
 @_wraps(_TRY_SECOND, "planner.two_step:TwoStep.try_second|expand")
-def _try_second(self, px, py, n, qx, qy, scores, free_of, limit):
+def _try_second(self):
     enter()
-    out = _originals[_TRY_SECOND](self, px, py, n, qx, qy, scores, free_of, limit)
-    leave(_TRY_SECOND, n, 0)
+    out = _originals[_TRY_SECOND](self)
+    leave(_TRY_SECOND, self.ways.n, 0)
     return out
 
 
