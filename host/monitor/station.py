@@ -136,29 +136,43 @@ class Station:
             link.seek(float(what["position"]))
 
     def _ask(self, link: Link) -> None:
-        """Ask for the parameters until all are here: a datagram may be lost, and a robot may just be starting."""
+        """Ask for parameters and names until all are here: a datagram may be lost, and a robot may just be starting."""
         for _ in range(ASKED):
-            link.request_parameters()
+            if not self._has_parameters():
+                link.request_parameters()
+            if "names" not in self._latest:
+                link.greet()
             end = time.monotonic() + ASK_S
             while time.monotonic() < end and link is self.link:
-                with self._lock:
-                    known = list(self._parameters.values())
-                if known and len(known) == known[0].get("of", 1):
+                if self._has_parameters() and "names" in self._latest:
                     return
                 time.sleep(0.1)
             if link is not self.link:
                 return
 
+    def _has_parameters(self) -> bool:
+        with self._lock:
+            known = list(self._parameters.values())
+        return bool(known) and len(known) == known[0].get("of", 1)
+
     def _pump(self, link: Link) -> None:
         for message in link:
             if link is not self.link:
                 return
+            if message["type"] == "hello" and message["session"] != self._latest.get("hello", message)["session"]:
+                self._restarted(link)
             with self._lock:
                 if message["type"] == "parameter":
                     self._parameters[message["key"]] = message
                 elif message["type"] in LATEST:
                     self._latest[message["type"]] = message
             self._tell(message)
+
+    def _restarted(self, link: Link) -> None:
+        """The robot has started anew, which is no error: its parameters may be others now."""
+        with self._lock:
+            self._parameters.clear()
+        threading.Thread(target=self._ask, args=(link,), daemon=True).start()
 
     def _tell(self, message: dict) -> None:
         for listener in list(self.listeners):

@@ -153,3 +153,15 @@ def test_a_board_without_a_radio_drives_all_the_same():
     logs = [message["text"] for message in watch.told("log")]
     assert "no WiFi" in logs[0]
     assert not watch.told("health")[0]["radio"]
+
+
+def test_it_restarts_when_told_while_it_stands_with_what_was_kept():
+    plan = [(1.0, protocol.RESTART, messages.plain(1)), (1.2, *drive("stop")), (1.3, protocol.TUNE, messages.tune(1, "avoid.margin", 22))]
+    plan += [(1.5, protocol.KEEP, messages.plain(1)), (2.0, protocol.RESTART, messages.plain(1)), (4.0, protocol.LIST, messages.plain(1))]
+    watch = Hand(plan)
+    run("Z", 620, watch=watch, limit_s=6, record=False)
+    assert [reply["status"] for reply in watch.told("reply")] == ["refused", "ok", "ok", "ok", "ok", "ok"]
+    first, last = watch.told("hello")[0], watch.told("hello")[-1]
+    assert first["session"] != last["session"] and last["boot"] == "reset"
+    assert [row["value"] for row in watch.told("parameter") if row["key"] == "avoid.margin"] == [22]
+    assert watch.fastest(1.9, 2.5) < 2

@@ -163,10 +163,11 @@ def test_commands_reach_the_robot(server, station):
     page.send({"do": "tune", "key": "avoid.margin", "value": 20})
     page.send({"do": "point", "wheel": 3, "angle": -4})
     page.send({"do": "drive", "what": "auto"})
-    assert until(lambda: len(station.link.sent) >= 5)  # LIST came first
+    page.send({"do": "restart"})
+    assert until(lambda: len(station.link.sent) >= 7)  # LIST and GREET came first
     assert station.link.drives() == [(protocol.MANUAL, -300, 125, 100), (protocol.AUTO, 0, 0, 90)]
     kinds = [kind for kind, _ in station.link.sent]
-    assert kinds == [protocol.LIST, protocol.DRIVE, protocol.TUNE, protocol.POINT, protocol.DRIVE]
+    assert kinds == [protocol.LIST, protocol.GREET, protocol.DRIVE, protocol.TUNE, protocol.POINT, protocol.DRIVE, protocol.RESTART]
     page.close()
 
 
@@ -282,3 +283,20 @@ def test_terminal_keys_drive(station):
         (protocol.STOPPED, 0, 0, 90), (protocol.AUTO, 0, 0, 90), (protocol.MANUAL, 0, 0, 105), (protocol.MANUAL, -600, 600, 90),
         (protocol.MANUAL, 900, -900, 105), (protocol.MANUAL, 900, 900, 105),
     ]  # fmt: skip
+
+
+def hello(session):
+    told = b'{"firmware": "0.1.0", "robot": "gapseeker-1", "board": "00ff", "boot": "restart"}'
+    return whole_frames.frame(protocol.HELLO, struct.pack(protocol.HELLO_FORMAT, session, 0) + told)
+
+
+def test_a_robot_that_has_started_anew_is_asked_again(station):
+    link = station.link
+    link._receive(hello(b"11111111") + NAMES + whole_frames.frame(protocol.PARAMETER, b'{"key": "avoid.margin", "value": 20, "of": 1}'))
+    assert until(lambda: len(station.known()) == 4)
+    asked = len(link.sent)
+    link._receive(hello(b"22222222"))
+    assert until(lambda: protocol.LIST in [kind for kind, _ in link.sent[asked:]])
+    assert "parameter" not in [message["type"] for message in station.known()]
+    link._receive(hello(b"22222222"))
+    assert [kind for kind, _ in link.sent[asked:]].count(protocol.LIST) == 1

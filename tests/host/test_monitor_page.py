@@ -169,6 +169,12 @@ def test_a_parameter_is_tuned_and_comes_back_from_the_robot(monitor):
     page.browser.execute_script("arguments[0].value = 22; arguments[0].dispatchEvent(new Event('input'))", field)
     changed = "return document.getElementById('parameter-avoid.margin').closest('.parameter').classList.contains('changed')"
     assert before != "22" and page.until(lambda: page.browser.execute_script(changed))
+    # It counts from the next start, which the page offers; the robot comes back with what was kept.
+    notice = page.browser.find_element("id", "next-start")
+    assert page.until(notice.is_displayed)
+    page.click("keep-restart")
+    assert page.until(lambda: not notice.is_displayed() and page.browser.find_elements("id", "parameter-avoid.margin"), 15)
+    assert page.browser.find_element("id", "parameter-avoid.margin").get_attribute("value") == "22"
 
 
 def test_a_trim_is_told_while_it_is_dragged(monitor):

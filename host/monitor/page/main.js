@@ -30,7 +30,7 @@ const dials = new Dials(get("dials"));
 const health = new Health(get("health"), get("log"));
 const send = (command) => live.send(command);
 const player = new Player(send);
-const tune = new Tune(get("parameters"), get("trims"), send);
+const tune = new Tune(get("parameters"), get("trims"), get("next-start"), send);
 const hand = new Hand(state, send, stop, auto);
 let heard = 0;
 let session = null;
@@ -61,7 +61,7 @@ const HEAR = {
     document.title = `${message.robot} – Gapseeker`;
     if (message.session === session) return;
     // Another robot, or the same one started anew: it knows nothing of what this page wants.
-    if (session && state.commands) send({ do: "list" });
+    if (session) tune.clear();
     session = message.session;
     watch();
   },
@@ -90,7 +90,10 @@ const HEAR = {
   },
   recording(message) { player.recording(message.path); },
   playback(message) { player.playback(message); },
-  reply(message) { if (message.status !== "ok") health.say(`${message.command}: ${message.text || message.status}`); },
+  reply(message) {
+    if (message.status !== "ok" || message.text) health.say(`${message.command}: ${message.text || message.status}`);
+    tune.replied(message);
+  },
   refused(message) { health.say(message.text); },
   log(message) { health.say(message.text); },
   text(message) { health.say(message.text); },
@@ -131,6 +134,8 @@ get("stop").onclick = stop;
 get("auto").onclick = auto;
 get("manual").onclick = manual;
 get("keep").onclick = () => send({ do: "keep" });
+get("keep-restart").onclick = () => tune.restart(true);
+get("restart").onclick = () => tune.restart(false);
 for (const id of ["scan", "candidates"]) {
   get(id).onchange = () => {
     if (!get(id).checked) delete state[id];

@@ -24,7 +24,7 @@ export class Player {
     this.get("address").textContent = address;
     this.get("where").value = address;
     this.get("player").hidden = commands;
-    for (const id of ["auto", "manual", "stop", "keep", "record"]) this.get(id).disabled = !commands;
+    for (const id of ["auto", "manual", "stop", "keep", "keep-restart", "restart", "record"]) this.get(id).disabled = !commands;
     this.recording(recording);
   }
 

@@ -2,12 +2,12 @@
 
 const PERIOD_MS = 120;
 const SETTLE_MS = 500;
-// The robot stands still for each new value of these: it gets the one at which the slider comes to rest.
-const TABLES = ["avoid.margin", "avoid.soft_margin", "windows.look_ahead"];
-
+const STAND_MS = 600; // after which a robot told to stop stands
 export class Tune {
-  constructor(box, trims, send) {
-    Object.assign(this, { box, trims, send });
+  // notice: shown while something was changed that counts from the next start.
+  constructor(box, trims, notice, send) {
+    Object.assign(this, { box, trims, notice, send });
+    this.restarting = false;
     this.rows = {};
     this.next = {};
     this.busy = {};
@@ -18,6 +18,26 @@ export class Tune {
     this.box.replaceChildren();
     this.trims.replaceChildren();
     this.rows = {};
+    this.notice.hidden = true;
+  }
+
+  // Keep what was changed, if wanted, then start the robot anew; it must stand for that.
+  restart(keep) {
+    this.send({ do: "drive", what: "stop" });
+    this.restarting = keep;
+    if (keep) this.send({ do: "keep" });
+    else this.start_anew();
+  }
+
+  // What was to be kept must have been kept before the robot forgets it.
+  replied({ command, status }) {
+    if (command !== "keep" || !this.restarting) return;
+    this.restarting = false;
+    if (status === "ok") this.start_anew();
+  }
+
+  start_anew() {
+    setTimeout(() => this.send({ do: "restart" }), STAND_MS);
   }
 
   show(parameter) {
@@ -26,15 +46,16 @@ export class Tune {
     row.set(parameter.value);
     // Where the default goes with the body, what was there first stands for it.
     row.box.classList.toggle("changed", parameter.value !== (parameter.default ?? row.first));
+    if (parameter.restart && parameter.value !== row.first) this.notice.hidden = false;
   }
 
-  build({ key, low, high, unit, meaning, value }, parent) {
+  build({ key, low, high, unit, meaning, value, restart }, parent) {
     const box = document.createElement("div");
     box.className = "parameter";
     const label = document.createElement("label");
     label.textContent = key;
     const more = document.createElement("small");
-    more.textContent = `${meaning} (${low} to ${high}${unit ? " " + unit : ""})`;
+    more.textContent = `${meaning} (${low} to ${high}${unit ? " " + unit : ""})${restart ? ", counts from the next start" : ""}`;
     label.append(more);
     const number = document.createElement("input");
     const slider = document.createElement("input");
@@ -62,7 +83,7 @@ export class Tune {
   // A slider makes dozens of values a second; the robot gets the last of each moment, so that a wheel turns as its trim is dragged.
   tune(key, value) {
     this.next[key] = value;
-    if (!TABLES.includes(key) && !this.busy[key]) this.tell(key);
+    if (!this.busy[key]) this.tell(key);
     // What the robot has made of it, told when there is a rest.
     clearTimeout(this.settle);
     this.settle = setTimeout(() => {
@@ -78,7 +99,7 @@ export class Tune {
     this.busy[key] = true;
     setTimeout(() => {
       this.busy[key] = false;
-      if (!TABLES.includes(key)) this.tell(key);
+      this.tell(key);
     }, PERIOD_MS);
   }
 }
