@@ -138,7 +138,7 @@ def _robot(config, avoid, drive, link, lidar_line, screen_line):
     if once["pins_stop_button"] is not None:
         button = pin(once["pins_stop_button"], pin.IN, pin.PULL_UP)
     if once["pins_battery"] is not None:
-        adc = machine.ADC(pin(once["pins_battery"]))
+        adc = _battery(pin(once["pins_battery"]), link)
     health = Health(lidar, drive, button, adc, config)
     if screen_line is not None:
         from link.screen import Screen
@@ -146,3 +146,13 @@ def _robot(config, avoid, drive, link, lidar_line, screen_line):
         screen = Screen(screen_line, once["screen_kind"], once["screen_baud"])
         unload("link.reason_texts", "link.screen_dialects")
     return Robot(config, avoid, lidar, drive, health, link, screen)
+
+
+def _battery(pin, link):
+    """The ADC of the battery's divider, over the widest range; a chip without calibration is told of once."""
+    adc = machine.ADC(pin, atten=machine.ADC.ATTN_11DB)
+    try:
+        adc.read_uv()
+    except OSError:
+        link.log(1, "the chip's ADC is not calibrated: the battery's voltage may be 10 % off, set battery.divider by a voltmeter")
+    return adc

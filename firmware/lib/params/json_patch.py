@@ -2,103 +2,113 @@
 
 import os
 
+from micropython import const
+
+_QUOTE = const(0x22)
+_BACKSLASH = const(0x5C)
+_COMMA = const(0x2C)
+_COLON = const(0x3A)
+_OPEN = const(0x7B)
+_CLOSE = const(0x7D)
+
 
 def keep(path, changed):
     """changed: {key as "avoid.margin": its value as JSON}; a key or group that is not in the file yet is added.
 
     OSError if the file cannot be written, ValueError if it is not JSON; the old file is whole then.
     """
+    with open(path, "rb") as source:
+        text = source.read()
+    edits = []
+    try:
+        end = _members(text, _space(text, 0), "", dict(changed), edits)
+    except (IndexError, ValueError):
+        raise ValueError("robot.json on the board is not JSON any more")
     # A new file first: a robot switched off in the middle must find the old one or the new one.
     part = path + ".new"
-    with open(path) as source:
-        with open(part, "w") as target:
-            copy = _Copy(source, target.write)
-            copy.space(True)
-            _members(copy, "", dict(changed))
-            target.write("\n")
+    view = memoryview(text)
+    done = 0
+    with open(part, "wb") as target:
+        for start, stop, new in edits:
+            target.write(view[done:start])
+            target.write(new.encode())
+            done = stop
+        target.write(view[done:end])
+        target.write(b"\n")
     os.rename(part, path)
 
 
-class _Copy:
-    """Reads JSON a character at a time, because the board has no room for the whole; `char` is the next one."""
+def _members(text, at, prefix, changed, edits):
+    """Walk an object from its brace on; prefix: "" for the outermost, "avoid." and so on inside. Returns the place behind it.
 
-    def __init__(self, source, write):
-        self._read = source.read
-        self.write = write
-        self.char = self._read(1)
-
-    def take(self, wanted=None):
-        """The next character. ValueError at the end, or if another one is wanted."""
-        char = self.char
-        if not char or wanted is not None and char != wanted:
-            raise ValueError("robot.json on the board is not JSON any more")
-        self.char = self._read(1)
-        return char
-
-    def space(self, written=False):
-        """White space, as text."""
-        text = ""
-        while self.char in " \t\r\n" and self.char:
-            text += self.take()
-        if written:
-            self.write(text)
-        return text
-
-    def text(self):
-        """A string with its quotes."""
-        text = self.take('"')
-        while self.char != '"':
-            text += self.take()
-            if text[-1] == "\\":
-                text += self.take()
-        return text + self.take()
-
-    def value(self, write):
-        """Pass over a value, writing what is read."""
-        depth = 0
-        while True:
-            if self.char == '"':
-                write(self.text())
-            elif depth == 0 and self.char in ",} \t\r\n":
-                return
-            else:
-                char = self.take()
-                depth += (char in "[{") - (char in "]}")
-                write(char)
-
-
-def _members(copy, prefix, changed):
-    """Copy an object; prefix: "" for the outermost, "avoid." and so on inside."""
-    write = copy.write
-    write(copy.take("{"))
-    lead = between = copy.space()
-    empty = True
-    while copy.char != "}":
-        lead = between
-        write(between)
-        key = copy.text()
-        write(key)
-        copy.space(True)
-        write(copy.take(":"))
-        copy.space(True)
-        key = prefix + key[1:-1]
+    edits: gets (start, end, text to stand there), in the order of the places. `changed` loses what has been dealt with.
+    """
+    at = _past(text, at, _OPEN)
+    lead = last = at  # before the white space of the last member; behind that member
+    at = first = _space(text, at)
+    empty = text[at] == _CLOSE
+    while text[at] != _CLOSE:
+        first = at
+        end = _string(text, at)
+        key = prefix + text[at + 1 : end - 1].decode()
+        at = _space(text, _past(text, _space(text, end), _COLON))
         if key in changed:
-            write(changed.pop(key))
-            copy.value(len)
-        elif copy.char == "{" and not prefix:
-            _members(copy, key + ".", changed)
+            last = _value(text, at)
+            edits.append((at, last, changed.pop(key)))
+        elif text[at] == _OPEN and not prefix:
+            last = _members(text, at, key + ".", changed, edits)
         else:
-            copy.value(write)
+            last = _value(text, at)
+        at = _space(text, last)
+        if text[at] == _COMMA:
+            lead = at + 1
+            at = _space(text, lead)
+    new = ""
+    space = text[lead:first].decode()
+    for key, value in _missing(prefix, changed):
+        new += "%s%s%s: %s" % ("" if empty else ",", space or " ", key, value)
         empty = False
-        between = copy.space()
-        if copy.char == ",":
-            write(copy.take())
-            between = copy.space()
-    for key, text in _missing(prefix, changed):
-        write("%s%s%s: %s" % ("" if empty else ",", lead or " ", key, text))
-        empty = False
-    write(between)
-    write(copy.take())
+    if new:
+        edits.append((last, last, new))
+    return at + 1
+
+
+def _space(text, at):
+    """The place behind white space."""
+    while text[at] <= 0x20:
+        at += 1
+    return at
+
+
+def _past(text, at, wanted):
+    if text[at] != wanted:
+        raise ValueError
+    return at + 1
+
+
+def _string(text, at):
+    """The place behind a string."""
+    at = _past(text, at, _QUOTE)
+    while text[at] != _QUOTE:
+        at += 2 if text[at] == _BACKSLASH else 1
+    return at + 1
+
+
+def _value(text, at):
+    """The place behind a value."""
+    depth = 0
+    while True:
+        char = text[at]
+        if char == _QUOTE:
+            at = _string(text, at)
+            continue
+        if depth == 0 and (char <= 0x20 or char == _COMMA or char == _CLOSE):
+            return at
+        if char == _OPEN or char == 0x5B:
+            depth += 1
+        elif char == _CLOSE or char == 0x5D:
+            depth -= 1
+        at += 1
 
 
 def _missing(prefix, changed):

@@ -9,16 +9,18 @@ from time import ticks_add, ticks_diff
 
 from micropython import const
 
-NONE = const(0)
-STOP_BUTTON = const(1)
-LIDAR = const(2)
-CHIPS = const(3)
-BATTERY = const(4)
-SETTLING = const(5)
+# What the faults are called, by these numbers, stands in link/reason_texts.py.
+_NONE = const(0)
+STOP_BUTTON = const(1)  # the link's too: a press may mean more than a stop
+_LIDAR = const(2)
+_CHIPS = const(3)
+_BATTERY = const(4)
+_SETTLING = const(5)
 
 _SETTLE_US = const(500_000)  # a contact that comes and goes must not make the robot jerk
 _BATTERY_US = const(100_000)
 _HEAP_US = const(10_000_000)
+_TOP_MV = const(3300)  # what the ADC reads as 65535, where the chip does not know better
 _SECOND_US = const(1_000_000)
 _LEAST_MV = const(2000)  # below this nothing is connected to the divider, or the robot runs from USB
 _EMPTY_READINGS = const(20)  # so many in a row, or each start of the motors would look like an empty battery
@@ -27,10 +29,10 @@ _EMPTY_READINGS = const(20)  # so many in a row, or each start of the motors wou
 class Health:
     """The robot's self-check.
 
-    lidar: has `ok`; drive: has `ok` and `v256`; stop_button: Pin, low when pressed, or None; adc: ADC with `read_uv()`, or None;
-    config: battery_divider1000, battery_low, battery_empty (mV).
+    lidar: has `ok`; drive: has `ok` and `v256`; stop_button: Pin, low when pressed, or None; adc: ADC with
+    `read_uv()`, or `read_u16()` where that raises OSError because the chip was not calibrated, or None; config: battery_divider1000, battery_low, battery_empty (mV).
 
-    fault           what stops the robot, one of the numbers above; the words to it stand in texts.py
+    fault           what stops the robot, one of the numbers above; 0 if nothing does
     battery_mv      smoothed, 0 when unknown; battery_low: True when it should be charged soon
     worst_us        longest time between two checks in the last second or two
     heap_free       bytes, looked at seldom and only while the robot stands, because counting takes milliseconds
@@ -44,7 +46,7 @@ class Health:
         self._button = stop_button
         self._adc = adc
         self._config = config
-        self.fault = LIDAR
+        self.fault = _LIDAR
         self.battery_mv = 0
         self.battery_low = False
         self.worst_us = 0
@@ -59,6 +61,7 @@ class Health:
         self._millisecond_us = 0
         self._worst_now = 0
         self._started = False
+        self._calibrated = True
 
     @property
     def chips(self):
@@ -74,6 +77,7 @@ class Health:
             self._measure_battery()
         if ticks_diff(now_us, self._heap_us) >= _HEAP_US and not self._drive.v256:
             self._heap_us = now_us
+            gc.collect()  # what commands have left behind, before it must be done while driving
             self.heap_free = gc.mem_free()
         fault = self._find()
         if fault:
@@ -81,7 +85,7 @@ class Health:
             self._well_us = now_us if self._started else None
         elif self._well_us is not None:
             if ticks_diff(now_us, self._well_us) < _SETTLE_US:
-                fault = SETTLING
+                fault = _SETTLING
             else:
                 self._well_us = None
         if not fault:
@@ -93,12 +97,12 @@ class Health:
         if self._button is not None and not self._button.value():
             return STOP_BUTTON
         if not self._drive.ok:
-            return CHIPS
+            return _CHIPS
         if not self._lidar.ok:
-            return LIDAR
+            return _LIDAR
         if self._empty >= _EMPTY_READINGS:
-            return BATTERY
-        return NONE
+            return _BATTERY
+        return _NONE
 
     def _time(self, now_us):
         took = ticks_diff(now_us, self._checked_us)
@@ -117,7 +121,7 @@ class Health:
 
     def _measure_battery(self):
         # Millivolts at the pin first: the product of microvolts and divider would leave the small integers.
-        reading = self._adc.read_uv() // 1000 * self._config.battery_divider1000 // 1000
+        reading = self._millivolts() * self._config.battery_divider1000 // 1000
         if reading < _LEAST_MV:
             self.battery_mv = self._empty = 0
             self.battery_low = False
@@ -130,3 +134,11 @@ class Health:
             self._empty += 1
         elif self.battery_mv >= self._config.battery_low or self._empty < _EMPTY_READINGS:
             self._empty = 0  # an empty battery recovers a little at rest: it counts as empty until it is charged
+
+    def _millivolts(self):
+        if self._calibrated:
+            try:
+                return self._adc.read_uv() // 1000
+            except OSError:
+                self._calibrated = False
+        return self._adc.read_u16() * _TOP_MV >> 16

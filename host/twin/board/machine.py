@@ -117,7 +117,9 @@ class PWM:
 class ADC:
     """The battery divider."""
 
-    def __init__(self, pin):
+    ATTN_11DB = 3
+
+    def __init__(self, pin, atten=0):
         self._pin = _gpio(pin)
 
     def read_u16(self):
