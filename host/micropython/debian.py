@@ -33,7 +33,7 @@ def fetch(home=ports.HOME, sources=Path("/etc/apt")):
     for tool in ("apt-get", "dpkg"):
         if shutil.which(tool) is None:
             raise CannotFetch(f"this system has no {tool} to fetch Debian's package with")
-    source = _source(sources)
+    source = source_line(sources)
     home.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="micropython32-", dir=home.parent) as folder:
         work = Path(folder)
@@ -52,7 +52,7 @@ def fetch(home=ports.HOME, sources=Path("/etc/apt")):
     return ports.find()
 
 
-def _source(folder):
+def source_line(folder):
     """The line of sources.list for the suite, from the Debian mirror that the system's sources name."""
     files = [folder / "sources.list", *sorted(folder.glob("sources.list.d/*.list")), *sorted(folder.glob("sources.list.d/*.sources"))]
     for file in files:

@@ -57,7 +57,7 @@ def _functions(data):
             reader.take((length >> 1) + 1)
     for _ in range(objects):
         reader.skip_object()
-    found = []
+    found: list[tuple[int, bytes]] = []
     reader.code(found)
     return found
 

@@ -26,12 +26,12 @@ class Port:
     """One MicroPython.
 
     command: what starts it, [str]; options and a script go behind. word_bytes: 4, or 8 where twice the heap stands for the board's.
-    architecture: for mpy-cross -march. identity: changes when the interpreter or the compiler does.
+    architecture: for mpy-cross -march, None = runs no machine code. identity: changes when the interpreter or the compiler does.
     """
 
     command: tuple
     word_bytes: int
-    architecture: str
+    architecture: str | None
     identity: str
 
     @property

@@ -14,7 +14,7 @@ class Line:
 
     def __init__(self, baud):
         self._byte_us = BITS * 1e6 / baud
-        self._batches = deque()
+        self._batches: deque[tuple[int, bytes]] = deque()
         self._free = 0.0
 
     def send(self, time, data):
@@ -29,7 +29,7 @@ class Line:
 
     def take(self, time, batches, room):
         """Up to so many batches of which a byte arrives by the time, with at most `room` bytes: [(time of the first byte, bytes)]."""
-        out = []
+        out: list[tuple[int, bytes]] = []
         while self._batches and self._batches[0][0] <= time and len(out) < batches:
             if len(self._batches[0][1]) > room:
                 break

@@ -22,6 +22,7 @@ WITH_RADIO = 163 * KIB
 ALLOWANCE = 48 * KIB
 
 _PROBE = "import gc\ngc.collect()\nprint('board', gc.mem_alloc(), gc.mem_alloc() + gc.mem_free())\n"
+_RADIO = "import network, socket\n"
 _PROBED = 256 * KIB
 
 
@@ -29,37 +30,41 @@ def board_heap(firmware, config_text):
     """Bytes of heap that the firmware in the folder has on the board with that robot.json: gc.mem_alloc() + gc.mem_free() at main.py's first line."""
     kept = image.compiled(firmware)[1].parent
     code = _remembered(kept / "machine_code.json", lambda: mpy.machine_code_bytes(firmware))
-    return (WITH_RADIO if _radio(config_text) else HEAP_AND_CODE) - sum(code.values()) + ALLOWANCE
+    return (WITH_RADIO if radio(config_text) else HEAP_AND_CODE) - sum(code.values()) + ALLOWANCE
 
 
-def heap_size(port, board, board_bytes, chip=None):
+def heap_size(port, board, board_bytes, chip=None, radio=False):
     """What -X heapsize has to be for so many bytes of the board.
 
-    port: micropython.Port. board: folder of the emulated board's modules, compiled for it. chip: text of the chip.json that they find.
+    port: micropython.Port. board: folder of the emulated board's modules, compiled for it. chip, radio: see `taken_by_the_board`.
     """
-    taken, whole = taken_by_the_board(port, board, chip)
+    taken, whole = taken_by_the_board(port, board, chip, radio)
     return (board_bytes * port.heap_factor + taken) * _PROBED * port.heap_factor // whole
 
 
-def taken_by_the_board(port, board, chip=None):
-    """[bytes that the emulated board has taken when main.py begins, bytes in a heap of -X heapsize=_PROBED: the rest is for its own books]."""
-    kept = board.parent / ("board_heap_chip.json" if chip else "board_heap.json")
-    return _remembered(kept, lambda: _probe(port, board, chip))
+def taken_by_the_board(port, board, chip=None, radio=False):
+    """[bytes that the emulated board's modules take, bytes in a heap of -X heapsize=_PROBED: the rest is for its own books].
+
+    chip: text of the chip.json that they find, None = there is none. radio: whether network and socket are among them; the firmware loads those later.
+    """
+    kept = board.parent / ("board_heap" + ("_chip" if chip else "") + ("_radio" if radio else "") + ".json")
+    return _remembered(kept, lambda: _probe(port, board, chip, radio))
 
 
-def _radio(config_text):
+def radio(config_text):
+    """Whether that robot.json switches the radio on."""
     try:
         return bool(json.loads(config_text)["wifi"]["ssid"])
     except (ValueError, KeyError, TypeError):
         return False  # the firmware will say what is wrong with it
 
 
-def _probe(port, board, chip):
+def _probe(port, board, chip, radio):
     with tempfile.TemporaryDirectory(prefix="gapseeker-") as folder, open(os.devnull, "wb") as nobody:
         image.lay_out(Path(folder), board)
         if chip:
             (Path(folder) / "chip.json").write_text(chip)
-        (Path(folder) / "main.py").write_text(_PROBE)
+        (Path(folder) / "main.py").write_text(_RADIO * radio + _PROBE)
         answer, twin = os.pipe()
         try:
             os.write(twin, bytes(wire.SHORT) + wire.FAR.to_bytes(4, "little").ljust(wire.REPLY, b"\0"))  # nothing happens, for long

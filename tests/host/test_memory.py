@@ -66,7 +66,7 @@ def test_the_heap_is_what_the_board_has(changed, engine, changes, kib):
     run(engine=engine, changes=changes, firmware=firmware, watch=printed, limit_s=0.1, record=False)
     port = micropython.find(engine)
     folder, _ = image.compiled(firmware, port)
-    of_the_twin, _ = memory.taken_by_the_board(port, folder)
+    of_the_twin, _ = memory.taken_by_the_board(port, folder, radio=bool(changes))
     expected = (kib * KIB - sum(mpy.machine_code_bytes(firmware).values()) + memory.ALLOWANCE) * port.heap_factor
     assert printed.figure("heap") - of_the_twin == pytest.approx(expected, abs=256)
 
@@ -78,7 +78,7 @@ def test_what_lives_after_the_start(changed, option):
     printed = Printed()
     run(changes=OPTIONS[option], firmware=firmware, watch=printed, limit_s=30, record=False)
     folder, _ = image.compiled(firmware)
-    of_the_twin, _ = memory.taken_by_the_board(micropython.find(), folder)
+    of_the_twin, _ = memory.taken_by_the_board(micropython.find(), folder, radio=option != "usb")
     live = (printed.figure("live") - of_the_twin) / KIB
     print(f"{live:.1f} KiB live")
     assert live <= LIVE_KIB[option]
