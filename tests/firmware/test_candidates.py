@@ -4,13 +4,15 @@ from array import array
 from math import cos, sin
 
 from params.config import Config
+from perception.windows import Windows
 from planner import candidate_arcs, candidate_strips
 from planner.candidate_set import Draft
 from planner.candidates import BIAS, Candidates
-from planner.collision import BAND_MM, CollisionCheck, sort_near
+from planner.collision import CollisionCheck
 
 _config = Config()
 _env = Candidates(_config)
+_windows = Windows(_config, 400)
 _draft = Draft(_config)
 
 
@@ -25,7 +27,7 @@ def _sweep(points, env=_env):
     n = len(points)
     px = array("H", [p[0] + BIAS for p in points])
     py = array("H", [p[1] + BIAS for p in points])
-    near = sort_near(px, py, n, env.half_width, env.half_length, env.soft + BAND_MM)
+    near = _windows.sort_near(px, py, n)
     free = array("H", bytes(2 * env.count))
     soft = array("H", bytes(2 * env.count))
     block = array("H", bytes(2 * env.count))

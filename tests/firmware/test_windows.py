@@ -14,7 +14,8 @@ def _sort(*points):
     x = array("H", [p[0] + 8192 for p in points])
     y = array("H", [p[1] + 8192 for p in points])
     urgent = _windows.sort(x, y, len(points))
-    return urgent, list(_windows.window[: len(points)])
+    found = {(x[i] - 8192, y[i] - 8192): _windows.window[i] for i in range(len(points))}
+    return urgent, [found[p] for p in points]
 
 
 def test_a_point_in_each_window():
@@ -35,3 +36,21 @@ def test_ten_zones_clockwise():
     for zone, point in enumerate(around):
         assert _sort(point)[0] == BLUE
         assert _windows.zone() == zone, point
+
+
+def test_points_at_the_outline_come_first():
+    # soft margin and 12 mm more, of each side of the body
+    band = Config().avoid_soft_margin + 12
+    points = ((0, 900), (125 + band - 1, 0), (125 + band, 0), (0, -300 - band + 1), (-126, 301))
+    for classify in (True, False):
+        x = array("H", [p[0] + 8192 for p in points])
+        y = array("H", [p[1] + 8192 for p in points])
+        if classify:
+            _windows.sort(x, y, len(points))
+            near = _windows.near
+        else:
+            _windows.window[0] = 77
+            near = _windows.sort_near(x, y, len(points))
+            assert _windows.window[0] == 77
+        assert near == 3
+        assert sorted((x[i] - 8192, y[i] - 8192) for i in range(3)) == sorted((points[1], points[3], points[4]))

@@ -25,28 +25,46 @@ YELLOW = const(4)
 NO_ZONE = const(255)
 
 
-@micropython.viper
-def _sort(px: ptr16, py: ptr16, n: int, size: ptr32, window: ptr8, band: int) -> int:
-    """The window of each point; those nearer than band mm to the outline come to the front. Returns how many these are.
+BAND_MM = const(12)  # points nearer to the outline than this beyond the soft margin are "near": the collision check looks at them one by one
 
-    size: half width, half length, red, blue, side, look-ahead (mm); then gap + 1000 (0 none), x, y of the nearest point in any window
+# Layout of Windows._size
+_HALF_WIDTH = const(0)
+_HALF_LENGTH = const(1)
+_RED_MM = const(2)
+_BLUE_MM = const(3)
+_SIDE = const(4)
+_AHEAD = const(5)
+_BAND = const(6)  # mm round the outline
+_GAP = const(7)  # of the nearest point that lies in a window: mm + _GAP_ZERO, 0 where there is none
+_X = const(8)  # and where it is
+_Y = const(9)
+_SIZES = const(10)
+_GAP_ZERO = const(1000)
+_NO_GAP = const(30000)
+_BODY_ZERO = const(8192)  # added to coordinates of the body frame, mm
+
+
+@micropython.viper
+def _sort(px: ptr16, py: ptr16, n: int, size: ptr32, window: ptr8, classify: int) -> int:
+    """Bring the points nearer to the outline than the band to the front; returns how many.
+
+    With `classify` the window of each goes to window, in the same order, and the nearest in any window to size.
     """
-    hw = size[0]
-    hl = size[1]
-    red = size[2]
-    blue = size[3]
-    side = size[4]
-    ahead = size[5]
-    best = 30000
+    hw = size[_HALF_WIDTH]
+    hl = size[_HALF_LENGTH]
+    blue = size[_BLUE_MM]
+    band = size[_BAND]
+    best = _NO_GAP
     near = 0
+    w = 0
     i = 0
     while i < n:
         x = px[i]
         y = py[i]
-        gx = x - 8192
+        gx = x - _BODY_ZERO
         if gx < 0:
             gx = 0 - gx
-        gy = y - 8192
+        gy = y - _BODY_ZERO
         if gy < 0:
             gy = 0 - gy
         gx -= hw
@@ -54,44 +72,44 @@ def _sort(px: ptr16, py: ptr16, n: int, size: ptr32, window: ptr8, band: int) ->
         gap = gx
         if gy > gx:
             gap = gy
-        w = 0
-        if gap >= blue:
-            if gx < side:
-                if gy < ahead:
-                    w = 4
-        elif gap <= 0:
-            w = 1
-        elif gap < red:
-            w = 2
-        else:
-            w = 3
-        if w:
-            if gap < best:
+        if classify:
+            w = 0
+            if gap >= blue:
+                if gx < size[_SIDE] and gy < size[_AHEAD]:
+                    w = YELLOW
+            elif gap <= 0:
+                w = GREEN
+            elif gap < size[_RED_MM]:
+                w = RED
+            else:
+                w = BLUE
+            if w and gap < best:
                 best = gap
-                size[7] = x
-                size[8] = y
+                size[_X] = x
+                size[_Y] = y
+            window[i] = w
         if gap < band:
             px[i] = px[near]
             py[i] = py[near]
-            window[i] = window[near]
             px[near] = x
             py[near] = y
-            window[near] = w
+            if classify:
+                window[i] = window[near]
+                window[near] = w
             near += 1
-        else:
-            window[i] = w
         i += 1
-    size[6] = 0
-    if best < 30000:
-        size[6] = best + 1000
+    if classify:
+        size[_GAP] = 0
+        if best < _NO_GAP:
+            size[_GAP] = best + _GAP_ZERO
     return near
 
 
 class Windows:
-    """Sorts points into windows.
+    """Sorts points into windows, and those near the outline to the front. Points: body frame, array('H') of mm + 8192.
 
     window    bytearray: window of each point sorted last
-    near      how many of them lie nearer to the outline than the band
+    near      how many of them lie nearer to the outline than the soft margin and BAND_MM
     urgent    the most urgent window that has a point, NONE if none has
     """
 
@@ -99,44 +117,49 @@ class Windows:
         self.window = bytearray(capacity)
         self.near = 0
         self.urgent = NONE
-        self._size = size = array("i", [0] * 9)
-        size[0] = config.robot_width // 2
-        size[1] = config.robot_length // 2
-        size[5] = config.windows_look_ahead  # counts from the next start, like the planner's tables
+        self._size = size = array("i", bytes(4 * _SIZES))
+        size[_HALF_WIDTH] = config.robot_width // 2
+        size[_HALF_LENGTH] = config.robot_length // 2
+        size[_BAND] = config.avoid_soft_margin + BAND_MM
+        size[_AHEAD] = config.windows_look_ahead
         self.configure(config)
 
     def configure(self, config):
-        """Take over margins that may have been tuned."""
+        """Take over margins that may have been tuned; the band and the look-ahead count from the start on, as in the planner's tables."""
         size = self._size
-        size[2] = config.windows_red
-        size[3] = config.windows_blue
-        size[4] = config.windows_side
+        size[_RED_MM] = config.windows_red
+        size[_BLUE_MM] = config.windows_blue
+        size[_SIDE] = config.windows_side
 
-    def sort(self, px, py, n, band=-1000):
-        """Classify n points (body frame, mm + 8192), those nearer than band mm to the outline first. Returns `urgent`."""
+    def sort(self, px, py, n):
+        """Classify n points and bring the near ones to the front. Returns `urgent`."""
         size = self._size
-        self.near = _sort(px, py, n, size, self.window, band)
-        gap = size[6] - 1000
-        if gap == -1000:
+        self.near = _sort(px, py, n, size, self.window, 1)
+        gap = size[_GAP] - _GAP_ZERO
+        if gap == -_GAP_ZERO:
             self.urgent = NONE
         elif gap <= 0:
             self.urgent = GREEN
-        elif gap < size[2]:
+        elif gap < size[_RED_MM]:
             self.urgent = RED
         else:
-            self.urgent = BLUE if gap < size[3] else YELLOW
+            self.urgent = BLUE if gap < size[_BLUE_MM] else YELLOW
         return self.urgent
+
+    def sort_near(self, px, py, n):
+        """Bring the near ones of n points to the front, and return how many; what `sort` found stays."""
+        return _sort(px, py, n, self._size, self.window, 0)
 
     def zone(self):
         """Zone of the point nearest to the body of those in a window; NO_ZONE if there is none."""
         size = self._size
-        return self.zone_of(size[7] - 8192, size[8] - 8192) if size[6] else NO_ZONE
+        return self.zone_of(size[_X] - _BODY_ZERO, size[_Y] - _BODY_ZERO) if size[_GAP] else NO_ZONE
 
     def zone_of(self, x, y):
         """Zone of a point outside the outline, mm in the body frame; one inside counts to the nearer end's side."""
         size = self._size
-        if abs(y) > size[1]:
-            if abs(x) <= size[0]:
+        if abs(y) > size[_HALF_LENGTH]:
+            if abs(x) <= size[_HALF_WIDTH]:
                 return 0 if y > 0 else 5
             if x > 0:
                 return 1 if y > 0 else 4

@@ -15,6 +15,7 @@ import micropython
 from micropython import const
 
 from core.trig import SIN
+from perception.windows import BAND_MM
 
 # Fields of the job: what to test against what.
 _NEAR = const(0)
@@ -32,8 +33,6 @@ _SOFT = const(11)
 _BAND = const(12)
 _JOB_FIELDS = const(13)
 
-BAND_MM = const(12)  # points nearer to the outline than this beyond the soft margin are looked at one by one
-
 
 def _table(size, of):
     """array('H') of of(0), of(1), ..., rounded; filled in place, for a list in between would need four times the room."""
@@ -46,30 +45,6 @@ def _table(size, of):
 # arc tangent of 0..1 in 1/512, unit 1/65536 turn
 ATAN = _table(513, lambda i: atan(i / 512) * 32768 / pi)
 del _table
-
-
-@micropython.viper
-def sort_near(px: ptr16, py: ptr16, n: int, half_width: int, half_length: int, band: int) -> int:
-    """Bring the points nearer than band mm to the outline to the front of px, py; returns how many."""
-    near = 0
-    i = 0
-    while i < n:
-        x = px[i]
-        y = py[i]
-        ax = x - 8192
-        if ax < 0:
-            ax = 0 - ax
-        ay = y - 8192
-        if ay < 0:
-            ay = 0 - ay
-        if ax - half_width < band and ay - half_length < band:
-            px[i] = px[near]
-            py[i] = py[near]
-            px[near] = x
-            py[near] = y
-            near += 1
-        i += 1
-    return near
 
 
 @micropython.viper
@@ -403,7 +378,7 @@ class CollisionCheck:
         self._job = array("i", [0] * _JOB_FIELDS)
 
     def prepare(self, n, near, stride, floor):
-        """What several check() have in common: n points, those near the outline first (`near` of them, see sort_near); of the arcs each
+        """What several check() have in common: n points, those near the outline first (`near` of them, see perception/windows.py); of the arcs each
         stride-th, given up early if shorter than floor mm."""
         env = self._candidates
         job = self._job

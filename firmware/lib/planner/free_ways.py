@@ -1,6 +1,6 @@
 """How far each candidate steering is free among the points as the body sees them."""
 
-from planner.collision import BAND_MM, drop_behind, mirror
+from planner.collision import drop_behind, mirror
 
 
 class FreeWays:
@@ -23,9 +23,13 @@ class FreeWays:
         env = self._candidates
         windows = self._windows
         self.n = n = self._map.view(x, y, heading, self.x, self.y, env.look_ahead + env.half_length)
-        windows.sort(self.x, self.y, n, env.soft + BAND_MM)
+        windows.sort(self.x, self.y, n)
         self.near = windows.near
         self.ordered = True
+
+    def sort_near(self, x, y, n):
+        """Bring those of other points that lie at the outline to the front; returns how many."""
+        return self._windows.sort_near(x, y, n)
 
     def free(self, mirroring, candidate):
         """mm that one candidate is free."""

@@ -7,7 +7,7 @@ from micropython import const
 
 from core.trig import cos14, sin14
 from planner.candidates import LENGTHS
-from planner.collision import BAND_MM, drop_behind, mirror, move, sort_near
+from planner.collision import drop_behind, mirror, move
 from planner.move_cost import NOTHING, best, in_a_slice, suppress
 
 _COARSE = const(6)  # first moves
@@ -102,7 +102,7 @@ class TwoStep:
             env.travel(self.mirroring[at], self.candidate[at], self.length[at])
             turn = env.end_turn
             self._n = move(ways.x, ways.y, ways.n, env.end_x, env.end_y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, x, y, 2)
-            self._near = sort_near(x, y, self._n, env.half_width, env.half_length, env.soft + BAND_MM)
+            self._near = ways.sort_near(x, y, self._n)
             cost = self._move_cost.stand_at(env.end_x, env.end_y, turn)
             if not fine:
                 self._score[at] -= cost  # that of the second move's end takes its place

@@ -85,13 +85,14 @@ class Scanning:
         for slot in range(self._frames):
             for i in range(slot * _EACH, slot * _EACH + self._n[slot]):
                 if n < _MOST:
-                    self.x_mm[n] = self._x[i]
-                    self.y_mm[n] = self._y[i]
                     self.points_x[n] = self._x[i] + 8192
                     self.points_y[n] = self._y[i] + 8192
                     n += 1
         self.points_count = n
-        self.window = self.windows.sort(self.points_x, self.points_y, n)
+        self.window = self.windows.sort(self.points_x, self.points_y, n)  # changes their order
+        for i in range(n):
+            self.x_mm[i] = self.points_x[i] - 8192
+            self.y_mm[i] = self.points_y[i] - 8192
         self.zone = self.windows.zone()
         self.decide()
         self.decisions += 1
