@@ -43,7 +43,7 @@ def _open(wlan, config, network):
 def _join(wlan, config):
     """What is to be said about it, or None. A soft reset leaves the radio as it was: joined, or just joining, and then connect() fails."""
     if wlan.isconnected():
-        if wlan.config("ssid") == config.wifi_ssid:
+        if _network(wlan) in (None, config.wifi_ssid):
             return None
         wlan.disconnect()
     try:
@@ -57,6 +57,14 @@ def _join(wlan, config):
             if not wlan.isconnected():
                 return "WiFi does not join now: %s%s, and restart" % (error, _ADVICE)
     return None
+
+
+def _network(wlan):
+    """The name of the network that is joined, None where the port does not tell it."""
+    try:
+        return wlan.config("ssid")
+    except (OSError, ValueError):
+        return None
 
 
 def _switch_off(wlan):
