@@ -1,4 +1,4 @@
-"""field.py: which way leads on."""
+"""cost_to_go.py: which way leads out."""
 
 from array import array
 
@@ -6,8 +6,6 @@ from rooms import Still
 
 from params.config import Config
 from planner.cost_to_go import CostToGo
-
-_SCRATCH = array("H", bytes(2 * 1536))
 
 
 class _Points:
@@ -24,7 +22,7 @@ class _Points:
 
 
 def _built(points, field=None, odometry=None):
-    field = field or CostToGo(Config(), _SCRATCH)
+    field = field or CostToGo(Config())
     odometry = odometry or Still()
     while not field.step(odometry, points):
         pass
@@ -51,7 +49,7 @@ def test_costs_lead_round_a_corner():
 
 def test_ground_covered_is_dear():
     odometry = Still()
-    field = CostToGo(Config(), _SCRATCH)
+    field = CostToGo(Config())
     walls = _Points((-300, -1000, -300, 1000), (300, -1000, 300, 1000))
     before = _at(_built(walls), 0, -400)
     for y in range(-900, 1, 10):
@@ -84,24 +82,24 @@ def _mirrored(mode, nose):
     odometry = Still()
     odometry.heading = nose * 1000
     walls = _Points((-260, -890, -260, 390), (-260, 390, 890, 390), (260, -890, 260, -90), (260, -90, 890, -90))
-    field = _built(walls, CostToGo(Config({"mode": mode}), _SCRATCH), odometry)
+    field = _built(walls, CostToGo(Config({"mode": mode})), odometry)
     odometry.heading = (360 - nose) % 360 * 1000
     walls = _Points((260, -890, 260, 390), (260, 390, -890, 390), (-260, -890, -260, -90), (-260, -90, -890, -90))
-    other = _built(walls, CostToGo(Config({"mode": mode}), _SCRATCH), odometry)
+    other = _built(walls, CostToGo(Config({"mode": mode})), odometry)
     for x, y, heading in ((0, 0, 0), (50, -100, 150), (-50, -200, -80), (400, 150, 700), (120, 60, 330)):
         assert abs(_at(field, x, y, heading) - _at(other, -x, y, -heading)) <= 12
     return field
 
 
 def _naws():
-    return CostToGo(Config({"mode": "NAWS"}), _SCRATCH)
+    return CostToGo(Config({"mode": "NAWS"}))
 
 
 def test_with_the_last_axle_straight_what_lies_beside_the_body_is_far():
     # A bay open to the right, 100 mm longer than the body.
     walls = _Points((-190, -350, -190, 350), (-190, 350, 190, 350), (-190, -350, 190, -350))
     out = {}
-    for name, field in (("AWS", CostToGo(Config(), _SCRATCH)), ("NAWS", _naws())):
+    for name, field in (("AWS", CostToGo(Config())), ("NAWS", _naws())):
         _built(walls, field)
         out[name] = _at(field, 0, 0) - _at(field, 410, 0)
     # All wheels steered, it crabs out, at about the distance. Otherwise it leaves as a car does, by driving to and fro.
@@ -129,12 +127,12 @@ def test_ways_of_a_straight_last_axle_go_round_its_tightest_circle():
     from planner.primitives_naws import ways
 
     table = ways(497, 248.5, 400)
-    assert len(table) == 24 * 36 and max(table) < 2048
+    assert len(table) == 24 * 24 and max(table) < 2048
     x = y = 0
     for t in range(24):
-        way = t * 36 + 27  # to the next heading, as driven: against what the table says
-        x -= table[way] - 8
-        y -= table[way + 1] - 8
+        way = _way(table, t * 24 + 18)  # to the next heading, as driven: against what the table says
+        x -= way[0]
+        y -= way[1]
         if t == 11:
             half = x, y
     assert (x, y) == (0, 0)
@@ -142,8 +140,13 @@ def test_ways_of_a_straight_last_axle_go_round_its_tightest_circle():
     assert abs(abs(half[0]) - 2 * 497 / 1.732 / 50) <= 1.5 and abs(abs(half[1]) - 2 * 248.5 / 50) <= 1.5
     # A turn and back again, both forward, go to no side: on along the body only.
     for t in range(24):
-        out = t * 36 + 27
-        back = ((t + 1) % 24) * 36 + 33
-        x = 16 - table[out] - table[back]
-        y = 16 - table[out + 1] - table[back + 1]
+        out = _way(table, t * 24 + 18)
+        back = _way(table, (t + 1) % 24 * 24 + 22)
+        x = out[0] + back[0]
+        y = out[1] + back[1]
         assert 1 <= x * x + y * y <= 21
+
+
+def _way(table, at):
+    """x, y of a motion primitive, cells."""
+    return (table[at] >> 4) - 8, (table[at] & 15) - 8

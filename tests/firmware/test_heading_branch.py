@@ -1,47 +1,46 @@
-"""field_nose.py: to which side the half turn of orientations leans, and where it ends."""
+"""heading_branch.py: to which side the half turn of orientations leans, and where it ends."""
 
 from array import array
 
-from planner.heading_branch import lean, tell
+from planner.heading_branch import apply, choose
 
-_CLOSED = 32767
+_CLOSED = 255
 
 
 def _costs(slope_x, slope_y, closed=()):
     """Costs that fall evenly across the grid, the same for every orientation; closed orientations."""
-    cost = array("H", bytes(2 * 10800))
+    cost = bytearray(9408)
     for t in range(12):
-        for y in range(30):
-            for x in range(30):
-                cost[(t * 30 + y) * 30 + x] = _CLOSED if t in closed else 9000 - slope_x * x - slope_y * y
+        for y in range(28):
+            for x in range(28):
+                cost[(t * 28 + y) * 28 + x] = _CLOSED if t in closed else 120 - slope_x * (x - 14) - slope_y * (y - 14)
     return cost
 
 
 def test_it_leans_by_half_the_bearing_of_the_way_out():
-    assert lean(_costs(0, 9), 15, 15, 0) == 0
-    assert lean(_costs(-9, 0), 15, 15, 0) == -3
+    assert choose(_costs(0, 4), 14, 14, 0) == 0
+    assert choose(_costs(-4, 0), 14, 14, 0) == -3
     # The way out is at a bearing of 90 degrees, ahead, at -90 and behind.
-    costs = _costs(9, 0)
-    assert [lean(costs, 15, 15, heading) for heading in (0, 900, 1800, 2700)] == [3, 0, -3, 0]
-    assert lean(_costs(0, -9), 15, 15, 0) == 0  # behind
+    costs = _costs(4, 0)
+    assert [choose(costs, 14, 14, heading) for heading in (0, 900, 1800, 2700)] == [3, 0, -3, 0]
+    assert choose(_costs(0, -4), 14, 14, 0) == 0  # behind
 
 
-def test_no_way_out_no_lean():
-    assert lean(_costs(9, 0, closed=(0,)), 15, 15, 0) == 0
-    assert lean(_costs(0, 0), 15, 15, 0) == 0
-    assert lean(_costs(9, 0), 1, 15, 0) == 0 and lean(_costs(9, 0), 15, 29, 0) == 0
+def test_no_way_out_no_choose():
+    assert choose(_costs(4, 0, closed=(0,)), 14, 14, 0) == 0
+    assert choose(_costs(0, 0), 14, 14, 0) == 0
+    assert choose(_costs(4, 0), 1, 14, 0) == 0 and choose(_costs(4, 0), 14, 27, 0) == 0
 
 
 def test_the_orientation_at_the_end_is_closed():
-    state = array("i", [0, 0, 0, 0])
-    closed = array("i", [0] * 360)
-    tell(0, 0, state, closed)
-    assert [row // 30 for row in range(360) if closed[row]] == [6] * 30
+    closed = array("H", bytes(4 * 336))
+    sense = apply(0, 0, closed)
+    assert [row // 56 for row in range(672) if closed[row]] == [6] * 56
     # 105 to 165 degrees are the noses at -75 to -15
-    assert state[3] == sum(1 << t for t in range(7, 12))
+    assert sense == sum(1 << t for t in range(7, 12))
 
-    closed = array("i", [0] * 360)
-    tell(0, 3, state, closed)
+    closed = array("H", bytes(4 * 336))
+    sense = apply(0, 3, closed)
     # -30..120 degrees: closed at 135, which is -45; the nose at 120 is ahead, those from 150 on are -30 and -15
-    assert [row // 30 for row in range(360) if closed[row]] == [9] * 30
-    assert state[3] == (1 << 10) | (1 << 11)
+    assert [row // 56 for row in range(672) if closed[row]] == [9] * 56
+    assert sense == (1 << 10) | (1 << 11)

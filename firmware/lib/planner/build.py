@@ -12,7 +12,6 @@ from planner.decision import Decision
 from planner.free_ways import FreeWays
 from planner.move_cost import NOTHING, MoveCost
 from planner.plan import Plan
-from planner.queue import LENGTH
 from planner.two_step import MOST, TwoStep
 
 _POINTS = 320
@@ -25,13 +24,13 @@ def build(avoid, config):
     """Everything that an Avoid has. ConfigError is not raised: the config was checked."""
     avoid.config = config
     avoid.candidates = candidates = Candidates(config)
-    # The queue of the search for the cost to go, and the scores of a decision: never at the same time.
-    moves = LENGTHS * candidates.count
-    scratch = memoryview(array("H", bytes(2 * max(LENGTH, 4 * moves))))
-    scores = tuple(scratch[moves * k : moves * (k + 1)] for k in range(4))
     avoid.map = local_map = LocalMap(config)
     avoid._windows = windows = Windows(config, _POINTS)
-    cost_to_go = CostToGo(config, scratch)
+    cost_to_go = CostToGo(config)
+    # The making of a cost to go and the scores of a decision: never at the same time.
+    moves = LENGTHS * candidates.count
+    scratch = memoryview(cost_to_go.scratch)
+    scores = tuple(scratch[moves * k : moves * (k + 1)] for k in range(4))
     avoid.ways = ways = _free_ways(local_map, windows, candidates)
     move_cost = MoveCost(cost_to_go, candidates)
     two_step = _two_step(candidates, move_cost, ways, scores)

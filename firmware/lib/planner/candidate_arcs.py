@@ -10,20 +10,20 @@ from micropython import const
 _BIAS = const(8192)
 _BINS = const(24)
 _LENGTHS = const(5)
-_STRIDE = const(13)
 
-# Fields of a candidate's constants; the last two are of candidate_rings.py.
+# Fields of an arc's constants, 16-bit words; those from _IN_SOFT on are pairs, the low one first. _FRONT, _SECOND and _SECOND_BINS are of candidate_rings.py.
+_STRIDE = const(20)
 _XC = const(0)
 _YC = const(1)
-_IN_SOFT = const(2)
-_OUT_SOFT = const(3)
-_IN = const(4)
-_OUT = const(5)
-_BIN_SHIFT = const(6)
-_BIN_SCALE = const(7)
-_ANGLE_MAX = const(8)
-_TURN_MM = const(9)
-_REF = const(10)
+_BIN_SHIFT = const(2)
+_BIN_SCALE = const(3)
+_ANGLE_MAX = const(4)
+_REF = const(5)
+_IN_SOFT = const(10)
+_OUT_SOFT = const(12)
+_IN = const(14)
+_OUT = const(16)
+_TURN_MM = const(18)
 
 
 def fill(draft):
@@ -81,22 +81,27 @@ def _fill_arc(draft, k):
     b = k * _STRIDE
     c[b + _XC] = xc + _BIAS
     c[b + _YC] = yc + _BIAS
-    c[b + _IN_SOFT] = int(s_in * s_in)
-    c[b + _OUT_SOFT] = int(s_out * s_out) + 1
-    c[b + _IN] = int(r_in * r_in)
-    c[b + _OUT] = int(r_out * r_out) + 1
+    _put(c, b + _IN_SOFT, int(s_in * s_in))
+    _put(c, b + _OUT_SOFT, int(s_out * s_out) + 1)
+    _put(c, b + _IN, int(r_in * r_in))
+    _put(c, b + _OUT, int(r_out * r_out) + 1)
     # Bins are even in d * d: (d * d - r_in * r_in >> shift) * scale >> 12 = bin in 1/256, with both factors below 2**15.
-    inner = c[b + _IN]
-    span = c[b + _OUT] - inner
+    span = int(r_out * r_out) + 1 - int(r_in * r_in)
     shift = 0
     while span >> shift >= 32768:
         shift += 1
     c[b + _BIN_SHIFT] = shift
     scale = _BINS * 1048576 // (span >> shift)
     c[b + _BIN_SCALE] = scale
-    c[b + _TURN_MM] = int(2 * pi * ref)
+    _put(c, b + _TURN_MM, int(2 * pi * ref))
     c[b + _ANGLE_MAX] = min(int(draft.look_ahead * 65536 / (2 * pi * ref)), 60000)
     c[b + _REF] = int(ref)
+
+
+def _put(words, at, value):
+    """A number of 32 bits as two words."""
+    words[at] = value & 0xFFFF
+    words[at + 1] = value >> 16
 
 
 def _ring(draft, xc, yc, margin):

@@ -9,16 +9,17 @@ from micropython import const
 
 _BIAS = const(8192)
 _BINS = const(24)
-_STRIDE = const(13)
 
-# Fields of a candidate's constants, of candidate_arcs.py; the last two are filled here.
+# Fields of an arc's constants: see candidate_arcs.py
+_STRIDE = const(20)
 _XC = const(0)
 _YC = const(1)
-_IN = const(4)
-_BIN_SHIFT = const(6)
-_BIN_SCALE = const(7)
-_SECOND = const(11)  # of its bins with a second entry: place in `seconds` << 10 | first << 5 | how many
-_FRONT = const(12)  # least of all entries, and a little: no ring enters the outline farther on
+_BIN_SHIFT = const(2)
+_BIN_SCALE = const(3)
+_FRONT = const(6)  # least of all entries, and a little: no ring enters the outline farther on
+_SECOND = const(7)  # of its bins with a second entry: place in `seconds`,
+_SECOND_BINS = const(8)  # first bin << 5 | how many
+_IN = const(14)
 
 
 def fill(draft):
@@ -31,7 +32,7 @@ def _fill_arc(draft, k, used):
     """Returns how many of `seconds` are used afterwards."""
     c = draft.consts
     b = k * _STRIDE
-    inner = c[b + _IN]
+    inner = c[b + _IN] | c[b + _IN + 1] << 16
     edges = _edges(draft, c[b + _XC] - _BIAS, c[b + _YC] - _BIAS)
     width = 1048576 / c[b + _BIN_SCALE] * (1 << c[b + _BIN_SHIFT])  # of a bin, square mm
     table = draft.table
@@ -62,7 +63,8 @@ def _fill_arc(draft, k, used):
             if last != first:
                 after = used
     c[b + _FRONT] = front - 200
-    c[b + _SECOND] = first_used << 10 | second_bin << 5 | (after - first_used) >> 1
+    c[b + _SECOND] = first_used
+    c[b + _SECOND_BINS] = second_bin << 5 | (after - first_used) >> 1
     return after
 
 

@@ -7,7 +7,7 @@ from micropython import const
 
 _BINS = const(24)
 _LENGTHS = const(5)
-_STRIDE = const(13)
+_STRIDE = const(20)
 _SECONDS = const(8)  # for each arc: enough for the usual body with any margin; for others it grows
 _STRIP_STRIDE = const(8)
 
@@ -33,7 +33,7 @@ class Draft:
         self.af = array("h", [p[0] * 10 for p in pairs] + [a * 10 for a in strips])
         self.ar = array("h", [p[1] * 10 for p in pairs] + [a * 10 for a in strips])
         self.lengths = array("H", [self.look_ahead * part // 14 for part in (1, 2, 4, 8, 14)])
-        self.consts = array("i", bytes(4 * self.arcs * _STRIDE))
+        self.consts = array("H", bytes(2 * self.arcs * _STRIDE))
         self.table = bytearray(2 * self.arcs * _BINS * 2)  # 16-bit words for the viper functions
         self.seconds = array("H", bytes(2 * _SECONDS * self.arcs))
         self.strips = array("i", bytes(4 * _STRIP_STRIDE * len(strips)))

@@ -19,7 +19,7 @@ from core.unload import unload
 
 BIAS = const(8192)
 LENGTHS = const(5)
-ARC_STRIDE = const(13)  # words of `consts` for an arc, of `strips` for a strip: candidate_arcs.py, candidate_strips.py
+ARC_STRIDE = const(20)  # words of `consts` for an arc, of `strips` for a strip: candidate_arcs.py, candidate_strips.py
 STRIP_STRIDE = const(8)
 
 
@@ -81,7 +81,8 @@ class Candidates:
             xc = self.consts[b] - BIAS
             yc = self.consts[b + 1] - BIAS
             # In 0.01 deg, 183 / 2**20 of a radian: the centre may be metres away.
-            turn = (length * 36000 + (self.consts[b + 9] >> 1)) // self.consts[b + 9]
+            per_turn = self.consts[b + 18] | self.consts[b + 19] << 16  # mm of travel
+            turn = (length * 36000 + (per_turn >> 1)) // per_turn
             rest = turn % 10
             turn //= 10
             s = sin14(turn)

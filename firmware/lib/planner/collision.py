@@ -1,7 +1,7 @@
 """How far the body goes along each candidate steering before a point stops it: the tests that run in the loop.
 
 A point at distance d from the turning centre is met when the ring of radius d, followed against the turn, leads from the point into the
-body's outline. Where that happens depends on d alone and stands in the tables of envelope.py; a test is one squared distance, and for the
+body's outline. Where that happens depends on d alone and stands in the tables of candidates.py; a test is one squared distance, and for the
 few points inside the ring, and not beyond where the body is stopped already, an arc tangent and a look-up. With the centre at
 infinity (straight and crab) the ring is a strip and the outline two slopes.
 
@@ -9,7 +9,6 @@ Coordinates: body frame, mm + 8192 (never negative). Lengths: travel of the fast
 """
 
 from array import array
-from math import atan, pi
 
 import micropython
 from micropython import const
@@ -17,34 +16,44 @@ from micropython import const
 from core.trig import SIN
 from perception.windows import BAND_MM
 
-# Fields of the job: what to test against what.
-_NEAR = const(0)
-_COUNT = const(1)
-_FIRST = const(2)
+# Fields of the job: what to test against what, in mm.
+_NEAR = const(0)  # points near the outline, which come first
+_COUNT = const(1)  # all points
+_FIRST = const(2)  # candidates
 _LAST = const(3)
-_HALF_WIDTH = const(4)
-_HALF_LENGTH = const(5)
-_MARGIN = const(6)
-_CAP = const(7)
-_FLOOR = const(8)
-_FIRST_STRIP = const(9)
-_STRIDE = const(10)
-_SOFT = const(11)
-_BAND = const(12)
-_JOB_FIELDS = const(13)
+_STRIDE = const(4)
+_FLOOR = const(5)
+_ARC = const(6)  # 1 for arcs, 0 for strips
+_LENGTH = const(7)  # what _stop_at_outline() finds
+_SOFT_LENGTH = const(8)
+_HALF_WIDTH = const(9)
+_HALF_LENGTH = const(10)
+_MARGIN = const(11)
+_SOFT = const(12)
+_LOOK_AHEAD = const(13)
+_ARCS = const(14)
+_BAND = const(15)  # how far beyond the margin the near points are looked at one by one, 1/8 mm
 
+# Fields of an arc's constants, candidate_arcs.py: 16-bit words, and what is too large for those as words of 32 bits
+_ARC_HALVES = const(20)
+_ARC_WORDS = const(10)
+_XC = const(0)
+_YC = const(1)
+_BIN_SHIFT = const(2)
+_BIN_SCALE = const(3)
+_ANGLE_MAX = const(4)
+_REF = const(5)
+_FRONT = const(6)
+_SECOND = const(7)
+_SECOND_BINS = const(8)
+_IN_SOFT = const(5)
+_OUT_SOFT = const(6)
+_IN = const(7)
+_OUT = const(8)
+_TURN_MM = const(9)
 
-def _table(size, of):
-    """array('H') of of(0), of(1), ..., rounded; filled in place, for a list in between would need four times the room."""
-    table = array("H", bytes(2 * size))
-    for i in range(size):
-        table[i] = int(of(i) + 0.5)
-    return table
-
-
-# arc tangent of 0..1 in 1/512, unit 1/65536 turn
-ATAN = _table(513, lambda i: atan(i / 512) * 32768 / pi)
-del _table
+_BINS = const(24)
+_NONE = const(65535)
 
 
 @micropython.viper
@@ -99,102 +108,126 @@ def move(px: ptr16, py: ptr16, n: int, x: int, y: int, s: int, c: int, reach: in
 
 
 @micropython.viper
-def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, seconds: ptr16, free: ptr16, soft: ptr16, blocker: ptr16):
+def _stop_at_outline(px: ptr16, py: ptr16, job: ptr32, a: int, b: int, ref: int) -> int:
+    """How far a candidate may be driven for the points near the outline, which the tables are too coarse for: job[_LENGTH], job[_SOFT_LENGTH].
+
+    The side of the outline that is nearest to a point comes towards it at a rate: for an arc the point's distance from the centre (a, b), for a strip its
+    direction's part (a, b); `ref` mm of travel bring it nearer by that. Returns the index of the point that stops it, 65535 if none does.
+    """
+    near = job[_NEAR]
+    arc = job[_ARC]
+    margin = job[_MARGIN]
+    soft_margin = job[_SOFT]
+    length = job[_LENGTH]
+    soft_length = job[_SOFT_LENGTH]
+    block = _NONE
+    i = 0
+    while i < near:
+        ax = px[i] - 8192
+        ay = py[i] - 8192
+        rate = a
+        rate_y = b
+        if arc:
+            rate = ay + 8192 - b
+            rate_y = a - ax - 8192
+        if ax < 0:
+            ax = 0 - ax
+            rate = 0 - rate
+        if ay < 0:
+            ay = 0 - ay
+            rate_y = 0 - rate_y
+        gap = ax - job[_HALF_WIDTH]
+        gap_y = ay - job[_HALF_LENGTH]
+        # Off a corner on both sides the point is passed, or the table meets it.
+        aside = 0
+        if gap >= margin and gap_y >= margin:
+            aside = arc
+            if gap >= soft_margin and gap_y >= soft_margin:
+                rate = 0
+                rate_y = 0
+        if gap_y > gap:
+            gap = gap_y
+            rate = rate_y
+        if rate > 0:
+            # 1/8 mm: what is nearer than the margin may come 2 mm nearer, what is nearer than half of it hardly at all
+            allowed = (gap - margin) << 3
+            if allowed < 16:
+                allowed = 16
+                if gap + gap < margin:
+                    allowed = 3
+                    if gap < 3:
+                        allowed = 1
+            if aside == 0 and allowed < job[_BAND]:
+                allowed = allowed * ref
+                if allowed < (length * rate) << 3 * arc:
+                    length = (allowed // rate) >> 3 * arc
+                    block = i
+            allowed = gap - soft_margin
+            if allowed < 2:
+                allowed = 2
+            allowed = allowed * ref
+            if allowed < soft_length * rate:
+                soft_length = allowed // rate
+        i += 1
+    job[_LENGTH] = length
+    job[_SOFT_LENGTH] = soft_length
+    return block
+
+
+@micropython.viper
+def _sweep_arcs(points_x, points_y, jobs, consts: ptr16, table: ptr16, seconds: ptr16, free: ptr16, soft: ptr16, blocker: ptr16):
     """Free length of the arc candidates job[_FIRST]..job[_LAST]-1 against the points.
 
     free: mm until a point comes within the margin (a point already nearer may come 2 mm nearer);
     soft: the same with the wider, soft margin; blocker: index of the point that ends it, 65535 none.
     A candidate found to be shorter than job[_FLOOR] is given up at once.
+
+    Angles are 1/65536 turn. `limit` is how far the body may turn; it shrinks point by point. A point is left out as soon as it is known not to matter: outside the
+    ring; or beyond the ray from the centre along the body's front when it has turned by `limit`; else its bin of the table says at which angle its ring enters the outline.
     """
-    atan = ptr16(ATAN)
+    px = ptr16(points_x)
+    py = ptr16(points_y)
+    job = ptr32(jobs)
+    wide = ptr32(consts)
     sine = ptr16(SIN)
-    last_block = 65535
-    near = job[0]
-    n = job[1]
-    k = job[2]
-    last = job[3]
-    half_width = job[4]
-    half_length = job[5]
-    margin = job[6]
-    cap = job[7]
-    floor = job[8]
-    stride = job[10]
-    soft_margin = job[11]
-    band = job[12] << 3
-    while k < last:
-        base = k * 13
-        xc = consts[base]
-        yc = consts[base + 1]
-        in_soft = consts[base + 2]
-        out_soft = consts[base + 3]
-        r2_in = consts[base + 4]
-        r2_out = consts[base + 5]
-        shift = consts[base + 6]
-        scale = consts[base + 7]
-        turn_mm = consts[base + 9]
-        ref = consts[base + 10]
-        second = consts[base + 11]
-        front = consts[base + 12]
-        second_bin = (second >> 5) & 31
-        second_bins = second & 31
-        second = second >> 10
-        length = cap
-        soft_length = cap
-        block = 65535
-        # Points at the outline: how fast does the nearest side of the body come towards them?
-        i = 0
-        while i < near:
-            x = px[i]
-            y = py[i]
-            ax = x - 8192
-            rate = y - yc
-            if ax < 0:
-                ax = 0 - ax
-                rate = 0 - rate
-            ay = y - 8192
-            rate_y = xc - x
-            if ay < 0:
-                ay = 0 - ay
-                rate_y = 0 - rate_y
-            gap = ax - half_width
-            gap_y = ay - half_length
-            # Off a corner on both sides the point is passed, or the table meets it.
-            aside = 0
-            if gap >= margin and gap_y >= margin:
-                aside = 1
-                if gap >= soft_margin and gap_y >= soft_margin:
-                    rate = 0
-                    rate_y = 0
-            if gap_y > gap:
-                gap = gap_y
-                rate = rate_y
-            if rate > 0:
-                # 1/8 mm: what is nearer than the margin may come 2 mm nearer, what is nearer than half of it hardly at all
-                allowed = (gap - margin) << 3
-                if allowed < 16:
-                    allowed = 16
-                    if gap + gap < margin:
-                        allowed = 3
-                        if gap < 3:
-                            allowed = 1
-                if aside == 0 and allowed < band and allowed * ref < (length * rate) << 3:
-                    length = (allowed * ref // rate) >> 3
-                    block = i
-                allowed = gap - soft_margin
-                if allowed < 2:
-                    allowed = 2
-                if allowed * ref < soft_length * rate:
-                    soft_length = allowed * ref // rate
-            i += 1
+    last_block = _NONE
+    near = job[_NEAR]
+    n = job[_COUNT]
+    k = job[_FIRST]
+    while k < job[_LAST]:
+        base = k * _ARC_HALVES
+        xc = consts[base + _XC]
+        yc = consts[base + _YC]
+        shift = consts[base + _BIN_SHIFT]
+        scale = consts[base + _BIN_SCALE]
+        front = consts[base + _FRONT]
+        second = consts[base + _SECOND]
+        second_bins = consts[base + _SECOND_BINS] & 31
+        second_bin = consts[base + _SECOND_BINS] >> 5
+        at = k * _ARC_WORDS
+        in_soft = wide[at + _IN_SOFT]
+        out_soft = wide[at + _OUT_SOFT]
+        r2_in = wide[at + _IN]
+        r2_out = wide[at + _OUT]
+        turn_mm = wide[at + _TURN_MM]
+        length = job[_LOOK_AHEAD]
+        soft_length = length
+        block = _NONE
+        if near:
+            job[_LENGTH] = length
+            job[_SOFT_LENGTH] = length
+            block = int(_stop_at_outline(points_x, points_y, jobs, xc, yc, int(consts[base + _REF])))
+            length = job[_LENGTH]
+            soft_length = job[_SOFT_LENGTH]
         limit = (length << 16) // turn_mm
-        if limit > consts[base + 8]:
-            limit = consts[base + 8]
+        if limit > consts[base + _ANGLE_MAX]:
+            limit = consts[base + _ANGLE_MAX]
         soft_limit = (soft_length << 16) // turn_mm
         if soft_limit > limit:
             soft_limit = limit
-        bottom = (floor << 16) // turn_mm
+        bottom = (job[_FLOOR] << 16) // turn_mm
         if limit >= bottom:
-            row = k * 48
+            row = k * (2 * _BINS)
             # What stopped the candidate before is likely to stop this one: it comes first, and what lies beyond need not be looked at.
             i = n - 1
             if last_block < i and last_block >= near:
@@ -234,10 +267,15 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
                         ay = dy
                         if dy < 0:
                             ay = 0 - dy
+                        # Arc tangent: a polynomial in the ratio of the shorter side to the longer one, * 2**12; off by 1/65536 turn at most.
                         if ax >= ay:
-                            phi = atan[((ay << 9) + (ax >> 1)) // ax]
+                            e = ((ay << 12) + (ax >> 1)) // ax
                         else:
-                            phi = 16384 - atan[((ax << 9) + (ay >> 1)) // ay]
+                            e = ((ax << 12) + (ay >> 1)) // ay
+                        h = e * e >> 12
+                        phi = (e * (10422 - (h * (3350 - (h * (1526 - (h * 407 >> 12)) >> 12)) >> 12)) + 2048) >> 12
+                        if ax < ay:
+                            phi = 16384 - phi
                         if dx < 0:
                             phi = 32768 - phi
                         if dy < 0:
@@ -247,8 +285,8 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
                         if pos < 0:
                             pos = 0
                         pos = ((pos >> shift) * scale) >> 12  # bin in 1/256
-                        if pos > 6143:
-                            pos = 6143
+                        if pos > _BINS * 256 - 1:
+                            pos = _BINS * 256 - 1
                         bin = pos >> 8
                         pos = pos & 255
                         j = row + bin + bin
@@ -276,25 +314,19 @@ def _sweep_arcs(px: ptr16, py: ptr16, job: ptr32, consts: ptr32, table: ptr16, s
         free[k] = (limit * turn_mm) >> 16
         soft[k] = (soft_limit * turn_mm) >> 16
         blocker[k] = block
-        k += stride
+        k += job[_STRIDE]
 
 
 @micropython.viper
-def _sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, soft: ptr16, blocker: ptr16):
+def _sweep_strips(points_x, points_y, jobs, strips: ptr32, free: ptr16, soft: ptr16, blocker: ptr16):
     """As _sweep_arcs, for straight and crab candidates; results follow those of the arcs (index job[_FIRST]..)."""
-    near = job[0]
-    n = job[1]
-    k = job[2]
-    last = job[3]
-    half_width = job[4]
-    half_length = job[5]
-    margin = job[6]
-    first = job[9]
-    stride = job[10]
-    soft_margin = job[11]
-    band = job[12] << 3
-    while k < last:
-        base = (k - first) * 8
+    px = ptr16(points_x)
+    py = ptr16(points_y)
+    job = ptr32(jobs)
+    n = job[_COUNT]
+    k = job[_FIRST]
+    while k < job[_LAST]:
+        base = (k - job[_ARCS]) * 8
         s = strips[base]
         c = strips[base + 1]
         half = strips[base + 2]  # half width of the strip, 1/16 mm
@@ -303,47 +335,15 @@ def _sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, 
         corner_l = strips[base + 5]
         slope_front = strips[base + 6]  # 1/1024
         slope_side = strips[base + 7]
-        length = job[7]
+        length = job[_LOOK_AHEAD]
         soft_length = length
-        block = 65535
-        i = 0
-        while i < near:
-            ax = px[i] - 8192
-            rate = s
-            if ax < 0:
-                ax = 0 - ax
-                rate = 0 - rate
-            ay = py[i] - 8192
-            rate_y = c
-            if ay < 0:
-                ay = 0 - ay
-                rate_y = 0 - c
-            gap = ax - half_width
-            gap_y = ay - half_length
-            if gap >= soft_margin and gap_y >= soft_margin:
-                rate = 0
-                rate_y = 0
-            if gap_y > gap:
-                gap = gap_y
-                rate = rate_y
-            if rate > 0:
-                # 1/8 mm: what is nearer than the margin may come 2 mm nearer, what is nearer than half of it hardly at all
-                allowed = (gap - margin) << 3
-                if allowed < 16:
-                    allowed = 16
-                    if gap + gap < margin:
-                        allowed = 3
-                        if gap < 3:
-                            allowed = 1
-                if allowed < band and (allowed << 14) < length * rate:
-                    length = (allowed << 14) // rate
-                    block = i
-                allowed = gap - soft_margin
-                if allowed < 2:
-                    allowed = 2
-                if (allowed << 14) < soft_length * rate:
-                    soft_length = (allowed << 14) // rate
-            i += 1
+        block = _NONE
+        if job[_NEAR]:
+            job[_LENGTH] = length
+            job[_SOFT_LENGTH] = length
+            block = int(_stop_at_outline(points_x, points_y, jobs, s, c, 16384))
+            length = job[_LENGTH]
+            soft_length = job[_SOFT_LENGTH]
         length = length << 4
         soft_length = soft_length << 4
         i = 0
@@ -367,44 +367,38 @@ def _sweep_strips(px: ptr16, py: ptr16, job: ptr32, strips: ptr32, free: ptr16, 
         free[k] = length >> 4
         soft[k] = soft_length >> 4
         blocker[k] = block
-        k += stride
+        k += 1
 
 
 class CollisionCheck:
-    """The tests of the candidates of some Candidates."""
+    """The tests of the candidates of some Candidates: prepare() for the points, then check() candidates."""
 
     def __init__(self, candidates):
         self._candidates = candidates
-        self._job = array("i", [0] * _JOB_FIELDS)
+        c = candidates
+        self._job = array("i", (0, 0, 0, 0, 0, 0, 0, 0, 0, c.half_width, c.half_length, c.margin, c.soft, c.look_ahead, c.arcs, BAND_MM << 3))
 
     def prepare(self, n, near, stride, floor):
-        """What several check() have in common: n points, those near the outline first (`near` of them, see perception/windows.py); of the arcs each
-        stride-th, given up early if shorter than floor mm."""
-        env = self._candidates
+        """What several check() have in common: n points, those near the outline first (`near` of them, see perception/windows.py); each stride-th of the arcs is
+        tested, and those shorter than floor mm are given up early."""
         job = self._job
         job[_NEAR] = near
         job[_COUNT] = n
-        job[_HALF_WIDTH] = env.half_width
-        job[_HALF_LENGTH] = env.half_length
-        job[_MARGIN] = env.margin
-        job[_CAP] = env.look_ahead
-        job[_FLOOR] = floor
         job[_STRIDE] = stride
-        job[_SOFT] = env.soft
-        job[_BAND] = BAND_MM
-        job[_FIRST_STRIP] = env.arcs
+        job[_FLOOR] = floor
 
     def check(self, px, py, first, last, free, soft, block):
-        """Free length, soft free length and blocking point of the candidates first..last-1, as prepared. px, py: the points."""
-        env = self._candidates
+        """Free length, soft free length (mm) and blocking point of the candidates first..last-1 against the points px, py, as prepared."""
+        candidates = self._candidates
         job = self._job
-        arcs = env.arcs
+        arcs = candidates.arcs
         if first < arcs:
             job[_FIRST] = first
             job[_LAST] = last if last < arcs else arcs
-            _sweep_arcs(px, py, job, env.consts, env.table, env.seconds, free, soft, block)
+            job[_ARC] = 1
+            _sweep_arcs(px, py, job, candidates.consts, candidates.table, candidates.seconds, free, soft, block)
         if last > arcs:
             job[_FIRST] = first if first > arcs else arcs
             job[_LAST] = last
-            job[_STRIDE] = 1
-            _sweep_strips(px, py, job, env.strips, free, soft, block)
+            job[_ARC] = 0
+            _sweep_strips(px, py, job, candidates.strips, free, soft, block)

@@ -1,19 +1,17 @@
-"""The way on: what it costs the long body, from every pose round it, to leave the neighbourhood.
+"""The cost to go: what it costs the long body, from every pose round it, to leave the neighbourhood.
 
-The envelope test knows what the body can do in the next half second; it does not know where to go. The field does: over
-a grid of poses (28 x 28 places of 1/12 body length and a closed ring round them, 12 orientations of 15 degrees) the cost
-of the cheapest way out is spread inwards from the rim. Poses in which the outline covers a point are closed; places the
-robot has covered already are dear, dearer each time, so that it goes on rather than back and comes back only when nothing
-else is left. Rim places in the direction the robot has been travelling are the cheapest exits, and those left nose first: a
-long body would else as soon turn its nose into a corner and its rear into the way on.
+The collision check knows what the body can do in the next half second; it does not know where to go. This does: over a grid of poses (28 x 28 places
+of 1/12 body length, 12 orientations of 15 degrees) the cost of the cheapest way out is propagated inwards from the rim. Poses in which the outline covers a
+point are closed; places the robot has covered already are expensive, more each time, so that it goes on rather than back and comes back only when
+nothing else is left. Rim places in the direction the robot has been travelling are the cheapest exits, and those left nose first: a long body would
+else as soon turn its nose into a corner and its rear into the way out.
 
-The outline is the same seen from both ends; which of them is the nose, heading_branch.py says. The grid is coarse: the
-outline is taken a little small, and the exact test of every move is the envelope's business.
+The outline is the same seen from both ends; which of them is the nose, heading_branch.py says. The grid is coarse: the outline is taken a little
+small, and the exact test of every move is the collision check's business.
 
-The spreading is a label-correcting search (a queue of poses whose cost fell), cut into slices so that no call takes
-long. Which poses are next to each other hangs on the axles: field_spread.py, field_spread_naws.py. While a field is being
-made there is none to ask: there is room for one only.
-Lengths on the floor are 1/8 mm modulo 2**16; costs are sixteenths of a cell.
+Costs are bytes, in units of a quarter of a cell. Where leaving costs so much that they run out of range (a long blind alley), the next grids have units twice as large.
+A grid is made in slices, so that no call takes long: cost_grid.py, propagate.py. Meanwhile there is none to ask: there is room for one only.
+Lengths on the floor are 1/8 mm modulo 2**16.
 """
 
 from array import array
@@ -23,319 +21,130 @@ from micropython import const
 
 from core.unload import unload
 from planner import heading_branch
+from planner.cost_grid import clear, close, cover, seed
+from planner.propagate import propagate
 
 _POINTS = const(37)  # closed in one slice
-_POSES = const(245)  # spread in one slice
-_POSES_STRAIGHT = const(195)  # ... where the last axle stays straight
-_N = const(30)
+_WORK = const(1000)  # propagated in one slice
+_N = const(28)
 _TURNS = const(12)
-_PLACES = const(900)
-_STATES = const(10800)
-_TRAIL_POINTS = const(120)  # one each cell's length
+_ROWS = const(336)
+_PLACES = const(784)
+_STATES = const(9408)
+_OUT = const(255)  # cost of what is closed or not reached
+_TRAIL = const(120)  # points, one each cell's length
 _TRAIL_GAP = const(10)  # those behind the centre that are still under the body
+# log2 of sixteenths of a cell in a unit: coarser when leaving has cost more than so many units for so many grids, finer when it costs fewer
+_FINEST = const(2)
+_FINEST_NAWS = const(3)  # to and fro where the last axle stays straight costs more
+_COARSEST = const(4)
+_PATIENCE = const(4)
+_HIGH = const(240)
+_LOW = const(110)
 
 
 @micropython.viper
-def _clear(cost: ptr16, rows: ptr32, tight: ptr32, seen: ptr32, weight: ptr8):
-    i = 0
-    while i < 276:
-        seen[i] = 0
-        i += 1
-    i = 0
-    while i < 10800:
-        cost[i] = 32767
-        i += 1
-    i = 0
-    while i < 360:
-        rows[i] = 0
-        tight[i] = 0
-        i += 1
-    i = 0
-    while i < 900:
-        weight[i] = 2
-        i += 1
-
-
-@micropython.viper
-def _cover(weight: ptr8, tx: ptr16, ty: ptr16, job: ptr32, first: int, last: int):
-    """Make the places within a radius of each point first..last-1 of the trail dearer, each time anew.
-
-    job: x, y of the grid's corner, cell, radius (1/8 mm)
-    """
-    cell = job[2]
-    radius = job[3]
-    half = cell >> 1
-    room = radius * radius
-    size = cell * 30
-    k = first % 120
-    while first < last:
-        x = (((tx[k] - job[0]) & 0xFFFF) ^ 0x8000) - 0x8000
-        y = (((ty[k] - job[1]) & 0xFFFF) ^ 0x8000) - 0x8000
-        first += 1
-        k += 1
-        if k == 120:
-            k = 0
-        if x <= 0 - radius or y <= 0 - radius or x >= size + radius or y >= size + radius:
-            continue
-        i0 = (x - radius) // cell
-        i1 = (x + radius) // cell
-        j = (y - radius) // cell
-        j1 = (y + radius) // cell
-        if i0 < 0:
-            i0 = 0
-        if j < 0:
-            j = 0
-        if i1 > 29:
-            i1 = 29
-        if j1 > 29:
-            j1 = 29
-        while j <= j1:
-            dy = j * cell + half - y
-            dy = room - dy * dy
-            i = j * 30 + i0
-            last_i = j * 30 + i1
-            dx = i0 * cell + half - x
-            while i <= last_i:
-                if dx * dx <= dy and weight[i] < 40:
-                    weight[i] = weight[i] + 1
-                dx += cell
-                i += 1
-            j += 1
-
-
-@micropython.viper
-def _close(closed: ptr32, tight: ptr32, stamps: ptr16, seen: ptr32, fx: ptr16, fy: ptr16, first: int, last: int, job: ptr32) -> int:
-    """Close the poses whose outline covers one of the points first..last-1: one mask of 30 bits per row and orientation.
-
-    Points are taken to half a cell: the stamp of the half cell says which poses about it are closed. tight: the same for the full outline.
-    job: x, y of the grid's corner, cell (1/8 mm), rows of a stamp to each side, most points that count. Returns the first point not looked at.
-    """
-    edge = job[2] << 3  # eight cells round the grid
-    across = edge * 46 >> 3
-    inverse = 4194304 // job[2]  # 2**22 / cell
-    reach = job[3]
-    high = reach + reach + 1
-    most = job[4]
-    while first < last and most > 0:
-        x = (((fx[first] - job[0] + edge) & 0xFFFF) ^ 0x8000) - 0x8000
-        y = (((fy[first] - job[1] + edge) & 0xFFFF) ^ 0x8000) - 0x8000
-        first += 1
-        if x < 0 or y < 0 or x >= across or y >= across:
-            continue
-        x = x * inverse >> 21  # half cells
-        y = y * inverse >> 21
-        m = 1 << (x & 31)
-        i = y * 3 + (x >> 5)
-        if seen[i] & m:
-            continue
-        seen[i] = seen[i] | m
-        # bit 8 of a stamp is the point's own column
-        s = (((y & 1) << 1) + (x & 1)) * 24 * high
-        x = x >> 1
-        left = 0
-        right = 16 - x
-        if x > 16:
-            left = x - 16
-            right = 0
-        y = (y >> 1) - 8 - reach
-        top = y + high
-        lost = 0
-        if y < 0:
-            lost = 0 - y
-            y = 0
-        if top > 30:
-            top = 30
-        if y >= top:
-            continue
-        most -= 1
-        t = 0
-        while t < 360:
-            i = s + lost + lost
-            row = t + y
-            end = t + top
-            while row < end:
-                m = stamps[i]
-                if m:
-                    tight[row] = tight[row] | (((m << left) >> right) & 0x3FFFFFFF)
-                    m = stamps[i + 1]
-                    closed[row] = closed[row] | (((m << left) >> right) & 0x3FFFFFFF)
-                i += 2
-                row += 1
-            s += high + high
-            t += 30
-    return first
-
-
-@micropython.viper
-def _seed(cost: ptr16, rows: ptr32, queue: ptr16, ux: int, uy: int, state: ptr32, inward: ptr16):
-    """Open poses on the rim are exits; those in the direction (ux, uy) * 2**10 are the cheapest.
-
-    inward: what each of 24 headings of the nose adds on the far rim (field_steps.inward()). state[3]: of heading_branch.tell().
-    The rim is the last row and column but one: the outermost are closed, which spares _spread() to look where the grid ends.
-    """
-    tail = 0
-    t = 0
-    while t < 360:
-        t += 30
-        rows[t - 30] = 0x3FFFFFFF
-        rows[t - 1] = 0x3FFFFFFF
-        i = t - 29
-        while i < t - 1:
-            rows[i] = rows[i] | 0x20000001
-            i += 1
-    sense = state[3]
-    t = 0
-    while t < 12:
-        side = 0
-        while side < 4:
-            # Heading of the nose as the far rim sees it, whichever side this is.
-            h = t + 12 * (sense >> t & 1)
-            if side == 0:
-                h += 12
-            elif side == 2:
-                h += 6
-            elif side == 3:
-                h += 18
-            if h >= 24:
-                h -= 24
-            more = inward[h]
-            i = 1
-            while i < 29:
-                x = i
-                y = i
-                if side == 0:
-                    y = 1
-                elif side == 1:
-                    y = 28
-                elif side == 2:
-                    x = 1
-                else:
-                    x = 28
-                at = (t * 30 + y) * 30 + x
-                if ((rows[t * 30 + y] >> x) & 1) == 0 and cost[at] == 32767:
-                    # 14 cells ahead least, behind 3 times the way there more
-                    c = ((46 << 10) - (x + x - 29) * ux - (y + y - 29) * uy) * 12 >> 10
-                    if c < 0:
-                        c = 0
-                    c += more
-                    cost[at] = c | 0x8000
-                    queue[tail] = at
-                    tail += 1
-                i += 1
-            side += 1
-        t += 1
-    state[0] = 0
-    state[1] = tail
-    state[2] = 0
-
-
-@micropython.viper
-def sample(cost: ptr16, poses: ptr32, n: int, cell: int):
+def sample(cost: ptr8, poses: ptr32, n: int, cell: int):
     """Cost at n poses, mm, put in the place of their x: trilinear between the grid's. 20000 where a pose is closed, or beyond the grid.
 
     poses: x, y from the grid's corner (1/8 mm) + 2**16, heading (0.1 deg), none negative.
     """
+    shift = cost[_STATES]
     half = cell >> 1
-    limit = cell * 28 - 1
+    limit = cell * (_N - 1) - 1
     last = n * 3
     p = 0
     while p < last:
         x = poses[p] - 65536 - half
         y = poses[p + 1] - 65536 - half
         value = 20000
-        # A body beyond the grid may meet what the field knows nothing of.
-        if x >= 0 and y >= 0 and x <= limit + cell and y <= limit + cell:
-            if x < cell:
-                x = cell
-            if y < cell:
-                y = cell
+        # A body beyond the grid may meet what it knows nothing of; one cell is allowed for.
+        if x >= 0 - cell and y >= 0 - cell and x <= limit + cell and y <= limit + cell:
+            if x < 0:
+                x = 0
+            if y < 0:
+                y = 0
             if x > limit:
                 x = limit
             if y > limit:
                 y = limit
             i = x // cell
             j = y // cell
-            # Weights in sixteenths, rounded: a mirrored field gives the mirrored cost.
+            # Weights in sixteenths, rounded: a mirrored grid gives the mirrored cost.
             fx = (((x - i * cell) << 4) + half) // cell
             fy = (((y - j * cell) << 4) + half) // cell
             heading = poses[p + 2] % 1800
             t = heading // 150
             ft = (((heading - t * 150) << 4) + 75) // 150
-            least = 32767
+            least = _OUT
             total = 0
             closed = 0
-            at = (t * 30 + j) * 30 + i
-            gx = 16 - fx
+            at = (t * _N + j) * _N + i
             a = 0
-            while a < 4:
+            while a < 8:
                 # Two orientations, of each two rows, of each two places.
-                wt = 16 - fy
+                w = 16 - fx
                 if a & 1:
-                    wt = fy
+                    w = fx
                 if a & 2:
-                    wt = wt * ft
+                    w = w * fy
                 else:
-                    wt = wt * (16 - ft)
-                if wt:
-                    if gx:
-                        v = cost[at]
-                        if v == 32767:
-                            closed += wt * gx
-                        else:
-                            total += v * wt * gx
-                            if v < least:
-                                least = v
-                    if fx:
-                        v = cost[at + 1]
-                        if v == 32767:
-                            closed += wt * fx
-                        else:
-                            total += v * wt * fx
-                            if v < least:
-                                least = v
+                    w = w * (16 - fy)
+                if a & 4:
+                    w = w * ft
+                else:
+                    w = w * (16 - ft)
+                if w:
+                    v = cost[at]
+                    if v == _OUT:
+                        closed += w
+                    else:
+                        total += v * w
+                        if v < least:
+                            least = v
                 a += 1
-                at += 30
-                if a == 2:
-                    at += 840
-                    if t == 11:
-                        at -= 10800
-            if least != 32767:
-                total += (least + 48) * closed  # closed: a little dearer than the best pose round about
-                value = ((total >> 8) * cell) >> 11  # a cost unit is cell / 128 mm
+                at += 1
+                if a & 1 == 0:
+                    at += _N - 2
+                    if a == 4:
+                        at += _PLACES - 2 * _N
+                        if t == _TURNS - 1:
+                            at -= _STATES
+            if least != _OUT:
+                total += (least + (48 >> shift)) * closed  # closed: a little more than the best pose round about
+                value = ((total >> 4) * cell) >> (15 - shift)
         poses[p] = value
         p += 3
 
 
 class CostToGo:
-    """Cost of leaving, by pose. `ready` once a first field exists; `step()` renews it slice by slice.
+    """Cost of leaving, by pose. `ready` once a first grid exists; `step()` renews it slice by slice.
 
-    scratch: room for LENGTH 16-bit words (queue.py), used while a cost to go is being made.
+    scratch: array('H'), in use while a grid is being made only: others may have it at other times.
     """
 
-    def __init__(self, config, scratch):
+    def __init__(self, config):
         from planner import tables
 
         self._masks, self._primitives, self._rim = tables.cost_to_go(config)
         tables = None
         unload("planner.tables")
-        self.cell = config.robot_length * 8 // 12  # 1/8 mm
-        self._straight = config.mode != "AWS"  # the last axle stays so
-        if self._straight:
-            from planner.propagate_naws import spread
-        else:
-            from planner.propagate import spread
-        self._spread = spread
-        self._weight = bytearray(_PLACES)
-        self._closed = array("i", [0] * (_N * _TURNS))
-        self._tight = array("i", [0] * (_N * _TURNS))
-        self._queue = scratch  # 16-bit words
-        self.cost = bytearray(2 * _STATES)
-        self._state = array("i", [0, 0, 0, 0])  # of spread(); 3 as heading_branch.tell() sets it
-        # of the field being made: x, y of the corner (1/8 mm mod 2**16), cell, then what _cover() and _close() have as 3 and 4
-        self._job = array("i", [0, 0, self.cell, 0, _POINTS])
-        self._radius = config.robot_width * 4 + self.cell // 2  # of what the trail makes dear
-        self._tx = array("H", bytes(2 * _TRAIL_POINTS))
-        self._ty = array("H", bytes(2 * _TRAIL_POINTS))
+        cell = config.robot_length * 8 // 12
+        self.cell = cell  # 1/8 mm
+        self.cost = bytearray(_STATES + 1)  # the last byte: log2 of sixteenths of a cell in a unit
+        self._shift = _FINEST if config.mode == "AWS" else _FINEST_NAWS
+        self._high = 0  # grids in which leaving cost nearly all that a byte holds
+        self.scratch = array("H", bytes(4 * 3 * _ROWS + _PLACES))
+        view = memoryview(self.scratch)
+        self._closed = view[: 2 * _ROWS]
+        self._near = view[2 * _ROWS : 4 * _ROWS]
+        self._marks = view[4 * _ROWS : 6 * _ROWS]
+        self._revisit = view[6 * _ROWS :]
+        radius = config.robot_width * 4 + cell // 2  # of what the trail makes expensive
+        self._job = array("i", (0, 0, cell, radius, len(self._masks) // (16 * _TURNS)))  # of cost_grid.py
+        self._wave = array("i", (0, 0, 0, 0, 0, 0, 20, 16, 4, 0) if config.mode == "AWS" else (0, 0, 0, 0, 0, 0, 24, 16, 6, 1))  # of propagate.py
+        self._tx = array("H", bytes(2 * _TRAIL))
+        self._ty = array("H", bytes(2 * _TRAIL))
         self._trail = 0  # points laid so far
         self.ux = 0  # direction of travel over the last few lengths, * 2**10
         self.uy = 1024
@@ -343,7 +152,7 @@ class CostToGo:
         self._stage = 0
         self._lean = 0
         self._k = 0
-        self.corner_x = 0  # of the field in use, 1/8 mm mod 2**16
+        self.corner_x = 0  # of the grid in use, 1/8 mm mod 2**16
         self.corner_y = 0
         self.ready = False
         self.builds = 0
@@ -357,12 +166,13 @@ class CostToGo:
         if self._trail == 0:
             self._px = x
             self._py = y
-        dx = (x - self._px) >> 8
-        dy = (y - self._py) >> 8
+        # The coordinates wrap, far out.
+        dx = ((x - self._px & 0x1FFFFF ^ 0x100000) - 0x100000) >> 8
+        dy = ((y - self._py & 0x1FFFFF ^ 0x100000) - 0x100000) >> 8
         step = self.cell >> 3
         if self._trail and dx * dx + dy * dy < step * step:
             return
-        i = self._trail % _TRAIL_POINTS
+        i = self._trail % _TRAIL
         self._tx[i] = (x >> 5) & 0xFFFF
         self._ty[i] = (y >> 5) & 0xFFFF
         self._trail += 1
@@ -374,51 +184,67 @@ class CostToGo:
         self.uy += (dy * 1024 - self.uy * step) // d
 
     def step(self, odometry, points):
-        """One slice of the next field. Returns True when a new field has just come into use."""
+        """One slice of the next grid. Returns True when a new one has just come into use."""
         stage = self._stage
+        job = self._job
         if stage == 0:
-            half = self.cell * (_N // 2)
-            job = self._job
-            if self.builds:
-                middle = self.cell // 2
-                x = ((odometry.x >> 5) - job[0] & 0xFFFF ^ 0x8000) - 0x8000
-                y = ((odometry.y >> 5) - job[1] & 0xFFFF ^ 0x8000) - 0x8000
-                self._lean = heading_branch.lean(self.cost, (x + middle) // self.cell, (y + middle) // self.cell, odometry.heading // 100)
-            job[0] = ((odometry.x >> 5) - half) & 0xFFFF
-            job[1] = ((odometry.y >> 5) - half) & 0xFFFF
-            _clear(self.cost, self._closed, self._tight, self._queue, self._weight)
-            self._stage = 1
+            self._begin(odometry)
+            clear(self.cost, self._closed, self._near, self._marks, self._revisit)
         elif stage == 1:
-            # Ground covered makes dear ground, dearer each time; not what the body still stands on.
-            self._job[3] = self._radius
-            first = self._trail - _TRAIL_POINTS
-            _cover(self._weight, self._tx, self._ty, self._job, first if first > 0 else 0, self._trail - _TRAIL_GAP)
-            self._job[3] = len(self._masks) // (16 * _TURNS)
+            # Ground covered becomes expensive, more each time; not what the body still stands on.
+            first = self._trail - _TRAIL
+            cover(self._revisit, self._tx, self._ty, job, first if first > 0 else 0, self._trail - _TRAIL_GAP)
             self._k = 0
-            self._stage = 2
         elif stage == 2:
-            self._k = _close(self._closed, self._tight, self._masks, self._queue, points.x, points.y, self._k, points.count, self._job)
-            if self._k >= points.count:
-                self._stage = 3
+            self._k = close(self._closed, self._near, self._masks, self._marks, points.x, points.y, self._k, points.count, _POINTS, job)
+            if self._k < points.count:
+                return False
         elif stage == 3:
-            heading_branch.tell(odometry.heading // 100, self._lean, self._state, self._closed)
-            _seed(self.cost, self._closed, self._queue, self.ux, self.uy, self._state, self._rim)
-            self._stage = 4
-        elif stage == 4:
-            if self._spread(
-                self.cost, self._closed, self._tight, self._weight, self._queue, self._primitives, self._state, _POSES_STRAIGHT if self._straight else _POSES
-            ):
-                self.corner_x = self._job[0]
-                self.corner_y = self._job[1]
-                self._stage = 0
-                self.builds += 1
-                # The very first one does not know to which side the way leads on.
-                self.ready = self.builds > 1
-                return self.ready
+            sense = heading_branch.apply(odometry.heading // 100, self._lean, self._closed)
+            shift = self._shift
+            self.cost[_STATES] = shift
+            seed(self.cost, self._closed, self._marks, self.ux, self.uy, sense, shift, self._rim)
+            wave = self._wave
+            wave[0] = wave[1] = wave[2] = 0
+            wave[3] = _OUT
+            wave[4] = sense if self._wave[9] else 0
+            wave[5] = shift
+        else:
+            if not propagate(self.cost, self._closed, self._near, self._revisit, self._marks, self._primitives, self._wave, _WORK):
+                return False
+            self.corner_x = job[0]
+            self.corner_y = job[1]
+            self._stage = 0
+            self.builds += 1
+            # The very first one does not know to which side the way out leads.
+            self.ready = self.builds > 1
+            return self.ready
+        self._stage = stage + 1
         return False
 
+    def _begin(self, odometry):
+        """Lay the grid round the robot; the one before says to which side the half turn of orientations leans, and how fine a unit of cost may be."""
+        x = odometry.x >> 5
+        y = odometry.y >> 5
+        cell = self.cell
+        job = self._job
+        if self.builds:
+            i = ((x - job[0] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
+            j = ((y - job[1] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
+            heading = odometry.heading // 100
+            self._lean = heading_branch.choose(self.cost, i, j, heading)
+            here = self.at(x, y, heading) * 128 // cell >> self._shift
+            self._high = self._high + 1 if _HIGH < here <= _OUT else 0
+            if self._high == _PATIENCE and self._shift < _COARSEST:
+                self._shift += 1
+                self._high = 0
+            elif here < _LOW and self._shift > (_FINEST_NAWS if self._wave[9] else _FINEST):
+                self._shift -= 1
+        job[0] = x - cell * (_N // 2) & 0xFFFF
+        job[1] = y - cell * (_N // 2) & 0xFFFF
+
     def at(self, x, y, heading):
-        """Cost of a pose on the floor (1/8 mm mod 2**16, 0.1 deg), mm, relative to others of this field."""
+        """Cost of a pose on the floor (1/8 mm mod 2**16, 0.1 deg), mm, relative to others of this grid."""
         u = ((x - self.corner_x) & 0xFFFF ^ 0x8000) - 0x8000
         v = ((y - self.corner_y) & 0xFFFF ^ 0x8000) - 0x8000
         pose = self._pose

@@ -1,7 +1,7 @@
-"""Which way the nose points in each orientation of the field.
+"""Which end of the body is the front in each orientation of the grid.
 
-There is room for half a turn of orientations only, each of which serves for two noses. The half turn is laid round the way the nose points now,
-and leant over to the side to which the way leads on, by half its bearing: so a bend of more than 90 degrees is driven round nose first within it,
+The grid stores 12 orientations over 180 degrees, each of which serves for two headings of the nose. The half turn is laid round the way the nose points now,
+and leant over to the side to which the way out leads, by half its bearing: so a bend of more than 90 degrees is driven round nose first within it,
 and the other way round, rear first, is not. Where the half turn ends, the orientation square to its middle, is closed: the costs on its two sides
 are those of two noses.
 """
@@ -11,53 +11,55 @@ from micropython import const
 
 from core.trig import cos14, sin14
 
-_N = const(30)
+_N = const(28)
+_PLACES = const(784)
+_STATES = const(9408)
+_ALL = const(0x0FFFFFFF)  # columns of a row of the grid
+_OUT = const(255)  # cost of what is closed or not reached
 _TURNS = const(12)
 _LARGEST = const(4)  # lean: so the closed orientation stays 30 degrees off the body's own
-# Numbers of the next places less that of this one, + 31: of two that cost the same the straight way is taken.
-_NEXT = bytes((61, 1, 32, 30, 62, 60, 2, 0))
+# Numbers of the next places less that of this one, + 29: of two that cost the same the straight way is taken.
+_NEXT = bytes((57, 1, 30, 28, 58, 56, 2, 0))
 
 
 @micropython.viper
-def _exit(cost: ptr16, next_places: ptr8, x: int, y: int, t: int) -> int:
+def _exit(cost: ptr8, next_places: ptr8, x: int, y: int, t: int) -> int:
     """The pose of the grid at which the costs leave it from orientation t at the corner between four places, of which x, y is the last.
 
     Each time on to the cheapest next one; -1 if all four are closed.
     """
-    least = 32767
+    least = _OUT
     at = 0
     d = 0
     while d < 4:
-        i = (t * 30 + y - (d >> 1)) * 30 + x - (d & 1)
-        c = cost[i] & 0x7FFF
-        if c < least:
-            least = c
+        i = (t * _N + y - (d >> 1)) * _N + x - (d & 1)
+        if cost[i] < least:
+            least = cost[i]
             at = i
         d += 1
-    if least == 32767:
+    if least == _OUT:
         return -1
     while True:
-        row = at // 30
-        x = at - row * 30
-        y = row % 30
-        if x <= 1 or x >= 28 or y <= 1 or y >= 28:
+        row = at // _N
+        x = at - row * _N
+        y = row % _N
+        if x == 0 or x == _N - 1 or y == 0 or y == _N - 1:
             return at
         to = at
         d = 0
         while d < 10:
             if d < 8:
-                i = at + next_places[d] - 31
+                i = at + next_places[d] - _N - 1
             elif d == 8:
-                i = at + 900
-                if i >= 10800:
-                    i -= 10800
+                i = at + _PLACES
+                if i >= _STATES:
+                    i -= _STATES
             else:
-                i = at - 900
+                i = at - _PLACES
                 if i < 0:
-                    i += 10800
-            c = cost[i] & 0x7FFF
-            if c < least:
-                least = c
+                    i += _STATES
+            if cost[i] < least:
+                least = cost[i]
                 to = i
             d += 1
         if to == at:
@@ -65,12 +67,12 @@ def _exit(cost: ptr16, next_places: ptr8, x: int, y: int, t: int) -> int:
         at = to
 
 
-def lean(cost, x, y, heading):
+def choose(cost, x, y, heading):
     """By how many orientations to lean over, -4..4, right positive: half the bearing at which the costs lead out; 0 if that is behind the body.
 
     x, y: the corner between places of the grid nearest to the body; heading: 0.1 deg.
     """
-    if not (2 < x < _N - 2 and 2 < y < _N - 2):
+    if not (1 < x < _N - 1 and 1 < y < _N - 1):
         return 0
     found = _exit(cost, _NEXT, x, y, (heading + 75) // 150 % _TURNS)
     if found < 0:
@@ -89,17 +91,18 @@ def lean(cost, x, y, heading):
     return bearing if -_LARGEST <= bearing <= _LARGEST else 0
 
 
-def tell(heading, leant, state, closed):
-    """Set state[3]: a bit for each orientation of which the nose points the other way; and close the orientation at which the half turn ends.
+def apply(heading, leant, closed):
+    """Close the orientation at which the half turn ends. Returns a bit for each orientation of which the nose points the other way.
 
-    heading: 0.1 deg; leant: of lean(); closed: rows of the field.
+    heading: 0.1 deg; leant: of choose(); closed: mask rows of the grid, two 16-bit words each.
     """
     middle = (heading + 75) // 150 + leant
     sense = 0
     for t in range(_TURNS):
         if 6 < (t - middle) % (2 * _TURNS) < 18:
             sense |= 1 << t
-    state[3] = sense
     first = (middle + 6) % _TURNS * _N
     for row in range(first, first + _N):
-        closed[row] = 0x3FFFFFFF
+        closed[2 * row] = _ALL & 0xFFFF
+        closed[2 * row + 1] = _ALL >> 16
+    return sense

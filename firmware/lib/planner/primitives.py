@@ -11,18 +11,23 @@ _WAYS = ((-1, 1), (0, 1), (1, 1), (-1, 0), (1, 0), (-1, -1), (0, -1), (1, -1))
 
 
 def steps(length, cell):
-    """Cost of a step to each of 8 neighbours for each orientation, then of a turn by one orientation; sixteenths of a cell."""
-    table = array("H", [0] * (8 * _TURNS + 1))
+    """array('H'): for each of 12 orientations ten steps of two words, x + 8 << 4 | y + 8 (cells) and cost (sixteenths of a cell).
+
+    The first 8 lead to the places round about, one to the next orientation, one to the one before.
+    """
+    # a step of turning moves the ends of the body by length / 2 * pi / 12; somewhat more than half of that
+    turn = 0x88, round(16 * (length / 2 * pi / _TURNS) * 8 * 0.6 / cell)
+    table = array("H")
     for t in range(_TURNS):
         s = sin(t * pi / _TURNS)
         c = cos(t * pi / _TURNS)
-        for d, (x, y) in enumerate(_WAYS):
+        for x, y in _WAYS:
             r = (x * x + y * y) ** 0.5
             across = (x * c - y * s) / r
             # sideways costs half as much again: it is slow to set up
-            table[t * 8 + d] = round(16 * r * (1 + 0.5 * across * across))
-    # a step of turning moves the ends of the body by length / 2 * pi / 12; somewhat more than half of that
-    table[8 * _TURNS] = round(16 * (length / 2 * pi / _TURNS) * 8 * 0.6 / cell)
+            table.append(x + 8 << 4 | y + 8)
+            table.append(round(16 * r * (1 + 0.5 * across * across)))
+        table.extend(array("H", turn + turn))
     return table
 
 

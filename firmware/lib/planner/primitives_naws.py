@@ -1,4 +1,4 @@
-"""The motion primitives, from pose to pose, of propagate_naws.py. Loaded to make their table, then let go.
+"""The motion primitives, from pose to pose, where the last axle stays straight. Loaded to make their table, then let go.
 
 Where the last axle stays straight, its middle moves along the body only. In terms of the body's centre: a turn by one orientation on the tightest
 circle moves the last axle's middle by a chord of that circle, and swings the centre, which is ahead of it, to the side.
@@ -16,9 +16,9 @@ _ALONG = ((0, 1), (1, 4), (1, 2), (1, 1), (2, 1), (4, 1), (1, 0), (4, -1), (2, -
 
 
 def ways(wheelbase, first_axle, cell):
-    """The table: array('H'), for each of 24 headings of the nose 12 ways of three words: x, y (cells, + 8) and cost (1/16 cell).
+    """The table: array('H'), for each of 24 headings of the nose 12 ways of two words: x + 8 << 4 | y + 8 (cells) and cost (1/16 cell).
 
-    The first 8 keep the heading, 2 lead to the next one, 2 to the one before. Costs are spread backward, from where a way leads to: what leads
+    The first 8 keep the heading, 2 lead to the next one, 2 to the one before. Costs are propagated backward, from where a way leads to: what leads
     ahead in the table is driven backward.
     wheelbase, first_axle: mm, the latter ahead of the body's centre; cell: 1/8 mm.
     """
@@ -57,8 +57,7 @@ def _along(t, table):
 
 
 def _add(table, x, y, cost):
-    table.append(x + 8)
-    table.append(y + 8)
+    table.append(x + 8 << 4 | y + 8)
     table.append(round(cost))
 
 

@@ -6,8 +6,8 @@ made on the laptop when the robot is set up (save()) and put beside robot.json a
 the board makes the tables itself and tries to write them; a file system that is full or read-only costs the time again at the next start, no more.
 
     head   "GSTB", version (2 bytes), 0 (2 bytes), key (4 bytes): CRC-32 of the parameters that the tables depend on
-    part 0 sizes of its arrays in bytes (2 each), CRC-32 of their contents (4), their contents: for CostToGo
-    part 1 likewise, for Candidates
+    part 0 sizes of its arrays in bytes (2 each), CRC-32 of their contents (4), their contents: for Candidates
+    part 1 likewise, for CostToGo
 
 Little-endian, as every machine that this runs on.
 """
@@ -22,21 +22,21 @@ from micropython import const
 from core.unload import unload
 
 PATH = "tables.bin"
-_VERSION = const(1)  # to be raised whenever a table comes to mean something else, or is made otherwise
+_VERSION = const(3)  # to be raised whenever a table comes to mean something else, or is made otherwise
 _HEAD = const(12)
 _LARGEST = const(16384)  # bytes of one array: a damaged file must not ask for all memory
-_TYPES = ("HHH", "hhHiBHiHh")  # of the arrays of each part; B: a bytearray
+_TYPES = ("hhHHBHiHh", "HHH")  # of the arrays of each part; B: a bytearray
 _BYTES = {"B": 1, "h": 2, "H": 2, "i": 4}
 
 
 def cost_to_go(config):
     """Footprint masks, motion primitives, costs of rim headings: see footprint_masks.py, primitives.py, primitives_naws.py."""
-    return _part(config, 0)
+    return _part(config, 1)
 
 
 def candidates(config):
     """af, ar, lengths, consts, table, seconds, strips, ends, turns: see Candidates."""
-    return _part(config, 1)
+    return _part(config, 0)
 
 
 def save(config, path):
@@ -131,7 +131,7 @@ def _keep(config, arrays, part):
 
 
 def _make(config, part):
-    return _make_candidates(config) if part else _make_cost_to_go(config)
+    return _make_cost_to_go(config) if part else _make_candidates(config)
 
 
 def _make_cost_to_go(config):

@@ -1,0 +1,210 @@
+"""Making the grid of costs: what is closed, what has been visited, where the exits are. The stages of cost_to_go.py before propagate.py.
+
+A grid of poses: 28 x 28 places, each a cell of 1/12 body length, 12 orientations of 15 degrees. Masks hold a 32-bit word a row, a bit a column.
+Lengths on the floor are 1/8 mm modulo 2**16.
+"""
+
+import micropython
+from micropython import const
+
+_N = const(28)
+_TURNS = const(12)
+_ROWS = const(336)
+_PLACES = const(784)
+_STATES = const(9408)
+_ALL = const(0x0FFFFFFF)  # columns of a row
+_OUT = const(255)  # cost of what is closed or not reached
+_TRAIL = const(120)  # points of the trail
+_VISITS = const(40)  # a revisit cost rises no further
+_MARGIN = const(8)  # cells round the grid from which points reach into it
+
+# Fields of the job.
+_X = const(0)  # of the grid's corner
+_Y = const(1)
+_CELL = const(2)
+_RADIUS = const(3)  # round the trail, of what counts as visited
+_REACH = const(4)  # rows of a footprint mask to each side
+FIELDS = const(5)
+
+
+@micropython.viper
+def clear(cost: ptr8, closed: ptr32, near: ptr32, marks: ptr32, revisit: ptr8):
+    """Begin a grid: nothing closed, nothing reached, a revisit cost of 2 halves everywhere."""
+    i = 0
+    while i < _STATES:
+        cost[i] = _OUT
+        i += 1
+    i = 0
+    while i < _ROWS:
+        closed[i] = 0
+        near[i] = 0
+        marks[i] = 0
+        i += 1
+    i = 0
+    while i < _PLACES:
+        revisit[i] = 2
+        i += 1
+
+
+@micropython.viper
+def cover(revisit: ptr8, tx: ptr16, ty: ptr16, job: ptr32, first: int, last: int):
+    """Make the places within the radius of each point first..last-1 of the trail more expensive, each time anew."""
+    cell = job[_CELL]
+    radius = job[_RADIUS]
+    half = cell >> 1
+    room = radius * radius
+    size = cell * _N
+    k = first % _TRAIL
+    while first < last:
+        x = (((tx[k] - job[_X]) & 0xFFFF) ^ 0x8000) - 0x8000
+        y = (((ty[k] - job[_Y]) & 0xFFFF) ^ 0x8000) - 0x8000
+        first += 1
+        k += 1
+        if k == _TRAIL:
+            k = 0
+        if x <= 0 - radius or y <= 0 - radius or x >= size + radius or y >= size + radius:
+            continue
+        i0 = (x - radius) // cell
+        i1 = (x + radius) // cell
+        j = (y - radius) // cell
+        j1 = (y + radius) // cell
+        if i0 < 0:
+            i0 = 0
+        if j < 0:
+            j = 0
+        if i1 > _N - 1:
+            i1 = _N - 1
+        if j1 > _N - 1:
+            j1 = _N - 1
+        while j <= j1:
+            dy = j * cell + half - y
+            dy = room - dy * dy
+            i = j * _N + i0
+            last_i = j * _N + i1
+            dx = i0 * cell + half - x
+            while i <= last_i:
+                if dx * dx <= dy and revisit[i] < _VISITS:
+                    revisit[i] = revisit[i] + 1
+                dx += cell
+                i += 1
+            j += 1
+
+
+@micropython.viper
+def close(closed: ptr32, near: ptr32, masks: ptr16, seen: ptr32, fx: ptr16, fy: ptr16, first: int, last: int, most: int, job: ptr32) -> int:
+    """Close the poses whose outline covers one of the points first..last-1, and mark in `near` those whose full outline does.
+
+    A point is taken to the half cell it lies in (seen: those that had one already). The footprint mask of the half cell says for each orientation and for 2 * reach + 1 rows
+    which of the columns round the point's own are closed: shifted to that column, it is laid on the row.
+
+        mask     0 0 1 1 1 0 0 0    bit 8 is the point's column
+        row      . . . . . . . . . . . .    bits 0.. are the grid's columns
+
+    Stops after `most` points that count. Returns the first point not looked at.
+    """
+    edge = job[_CELL] * _MARGIN
+    across = job[_CELL] * (_N + 2 * _MARGIN)
+    inverse = 4194304 // job[_CELL]  # 2**22 / cell
+    reach = job[_REACH]
+    high = reach + reach + 1
+    while first < last and most > 0:
+        x = (((fx[first] - job[_X] + edge) & 0xFFFF) ^ 0x8000) - 0x8000
+        y = (((fy[first] - job[_Y] + edge) & 0xFFFF) ^ 0x8000) - 0x8000
+        first += 1
+        if x < 0 or y < 0 or x >= across or y >= across:
+            continue
+        x = x * inverse >> 21  # half cells
+        y = y * inverse >> 21
+        m = 1 << (x & 31)
+        i = y * 3 + (x >> 5)
+        if seen[i] & m:
+            continue
+        seen[i] = seen[i] | m
+        s = (((y & 1) << 1) + (x & 1)) * (2 * _TURNS) * high
+        x = x >> 1
+        left = 0
+        right = 16 - x
+        if x > 16:
+            left = x - 16
+            right = 0
+        y = (y >> 1) - _MARGIN - reach
+        top = y + high
+        lost = 0
+        if y < 0:
+            lost = 0 - y
+            y = 0
+        if top > _N:
+            top = _N
+        if y >= top:
+            continue
+        most -= 1
+        t = 0
+        while t < _ROWS:
+            i = s + lost + lost
+            row = t + y
+            end = t + top
+            while row < end:
+                m = masks[i]
+                if m:
+                    near[row] = near[row] | (((m << left) >> right) & _ALL)
+                    m = masks[i + 1]
+                    closed[row] = closed[row] | (((m << left) >> right) & _ALL)
+                i += 2
+                row += 1
+            s += high + high
+            t += _N
+    return first
+
+
+@micropython.viper
+def seed(cost: ptr8, closed: ptr32, fallen: ptr32, ux: int, uy: int, sense: int, shift: int, rim: ptr16):
+    """Open poses on the rim are exits, marked in `fallen`; those in the direction (ux, uy) * 2**10 are the cheapest.
+
+    sense: of heading_branch.apply(); shift: log2 of sixteenths of a cell in a unit of cost; rim: what each of 24 headings of the nose adds on the far rim (primitives.rim()).
+    """
+    t = 0
+    while t < _ROWS:
+        fallen[t] = 0
+        t += 1
+    t = 0
+    while t < _TURNS:
+        side = 0
+        while side < 4:
+            # Heading of the nose as the far rim sees it, whichever side this is.
+            h = t + _TURNS * (sense >> t & 1)
+            if side == 0:
+                h += 12
+            elif side == 2:
+                h += 6
+            elif side == 3:
+                h += 18
+            if h >= 2 * _TURNS:
+                h -= 2 * _TURNS
+            more = rim[h]
+            i = 0
+            while i < _N:
+                x = i
+                y = i
+                if side == 0:
+                    y = 0
+                elif side == 1:
+                    y = _N - 1
+                elif side == 2:
+                    x = 0
+                else:
+                    x = _N - 1
+                row = t * _N + y
+                at = row * _N + x
+                if ((closed[row] >> x) & 1) == 0 and cost[at] == _OUT:
+                    # 8 cells straight ahead, none at the corner ahead; behind, 3 times the way there more
+                    c = ((38 << 10) - (x + x - _N + 1) * ux - (y + y - _N + 1) * uy) * 12 >> 10
+                    if c < 0:
+                        c = 0
+                    c = (c + more) >> shift
+                    if c > _OUT - 1:
+                        c = _OUT - 1
+                    cost[at] = c
+                    fallen[row] = fallen[row] | (1 << x)
+                i += 1
+            side += 1
+        t += 1
