@@ -25,10 +25,15 @@ class Robot:
         self.odometry = Odometry(config)
         self.took_us = 0
         self._slices_us = 0
-        self._spare = 0
+        self._slices = 0  # of the decision, still to be made before the next frame
+        self._owed = False  # one of them at least
 
     def step(self):
-        """Once round. Returns True if a lidar frame was taken in."""
+        """Once round. Returns True if a lidar frame was taken in.
+
+        A turn does one long thing: it takes in frames, or writes the chips, or works at the decision. So none takes longer than a frame of the
+        lidar, and none is put off for ever: after a frame come the chips, if they are due, and a slice of the decision, then the next frame.
+        """
         now = ticks_us()
         lidar = self.lidar
         drive = self.drive
@@ -36,13 +41,16 @@ class Robot:
         odometry = self.odometry
         link = self.link
         seen = False
+        owed = self._owed
         odometry.advance(now, drive)
-        while lidar.poll(now):
+        while not owed and lidar.poll(now):
             avoid.frame(lidar, odometry)
             if link is not None:
                 link.frame(lidar)
             seen = True
         state = telemetry.AUTO if link is None else link.state
+        due = drive.due(now) and not seen
+        self._owed = False
         if self.health is not None and not self.health.check(now):
             self._stand(reasons.FAULT, seen)
         elif state == telemetry.STOPPED:
@@ -53,13 +61,16 @@ class Robot:
                 avoid.observe(odometry, reasons.MANUAL, link.af, link.ar, link.v)
         elif seen:
             self._watch_out()
-            self._decide()
-            # Between two frames there is time for a second slice; while the robot stands, for a third.
-            self._spare = 1 if drive.v256 else 2
-        elif self._spare:
-            self._spare -= 1
-            self._decide()
-        drive.update(now)
+            self._slices = 2 if drive.v256 else 3  # there is time for so many until the next frame; a robot that stands may be late
+            self._owed = True
+        elif self._slices:
+            if due:
+                self._owed = owed
+            else:
+                self._slices -= 1
+                self._decide()
+        if due:
+            drive.update(now)
         if link is not None:
             link.update(now, self)
         if self.screen is not None:

@@ -170,6 +170,10 @@ class Drive:
         self.stop()
         self._outputs.off()
 
+    def due(self, now_us):
+        """Whether update() has something to do."""
+        return self._due < 0 or ticks_diff(now_us, self._due) >= 0
+
     def update(self, now_us):
         """Do what is due; call at least once a servo period. True when the set points moved on. Allocates nothing while all is well."""
         due = self._due

@@ -11,7 +11,7 @@ COLLECT = 1000000  # a collection of garbage, or a question for the size of the 
 
 # {method: (a call, each of its first kind of work in 16ths, each of its second in 16ths)}
 OF = {
-    "params.config:load": (1731800, 0, 0),
+    "params.parse:fill": (1731800, 0, 0),
     "avoid:Avoid.__init__": (247490, 1557870480, 0),
     "actuation.drive:Drive.__init__": (384725, 0, 0),
     "robot:Robot.step": (10293, 158572, 0),
