@@ -48,7 +48,7 @@ class Link:
     def __iter__(self):
         """Messages until the link has ended."""
         while True:
-            message = self.get()
+            message = self._queue.get()
             yield message
             if message["type"] == "ended":
                 return

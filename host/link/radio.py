@@ -40,7 +40,7 @@ class RadioLink(Link):
         except OSError:
             raise LinkError(f"no robot called {host} in this network: is it on, and in the same network? Try its IP address") from None
         self._given_key = key
-        self._key = None
+        self._key: bytes | None = None
         self._session = b""
         self._open = True
         self._heard = time.monotonic()

@@ -8,6 +8,7 @@ the others mean: `python -m host.twin --help`.
 
 import threading
 import time
+from collections.abc import Callable
 
 from .address import AddressError
 from .base import Link
@@ -23,7 +24,7 @@ def _flag(text):
     return bool(int(text))
 
 
-OPTIONS = {
+OPTIONS: dict[str, Callable] = {
     "width": float, "gap": float, "seed": int, "mirror": _flag, "reverse": _flag, "angle": float, "scale": float, "mode": str, "engine": str,
     "speed": _speed, "config": str, "firmware": str, "record": str,
 }  # fmt: skip

@@ -164,7 +164,7 @@ def _quietly(call, *arguments) -> None:
 
 def _own_addresses() -> list[str]:
     """IPv4 addresses of this computer in its networks."""
-    found = {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
+    found = {str(info[4][0]) for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
     try:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             probe.connect(("192.0.2.1", 9))  # sends nothing; the system only chooses the interface it would use

@@ -73,6 +73,8 @@ class Station:
         path = path or time.strftime("out/%Y%m%d-%H%M%S.rec")
         with self._lock:
             known = dict(self._latest)
+        if self.link is None:
+            raise recording.RecordingError("nothing to record: no robot is connected")
         self._recorder = _Recorder(path, self.link, self.address, known)
         self._tell({"type": "recording", "path": self.recording})
 

@@ -150,7 +150,7 @@ def chart(latest: dict, columns: int, rows: int) -> list[str]:
     put(0, along[-1], "^")
     block = (latest.get("decision") or {}).get("block")
     if block:
-        put(*block, "X")
+        put(block[0], block[1], "X")
     return ["".join(row).rstrip() for row in field]
 
 

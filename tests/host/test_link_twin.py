@@ -146,15 +146,6 @@ def test_one_wheel_is_turned_alone_and_only_while_the_robot_stands():
     assert "must stand" in watch.told("reply")[0]["text"]
 
 
-def test_a_board_without_a_radio_drives_all_the_same():
-    watch = Hand([])
-    run("Z", 620, watch=watch, limit_s=2, record=False, changes={"wifi.ssid": "home"})
-    assert watch.fastest(1.5, 2.0) > 100
-    logs = [message["text"] for message in watch.told("log")]
-    assert "no WiFi" in logs[0]
-    assert not watch.told("health")[0]["radio"]
-
-
 def test_it_restarts_when_told_while_it_stands_with_what_was_kept():
     plan = [(1.0, protocol.RESTART, messages.plain(1)), (1.2, *drive("stop")), (1.3, protocol.TUNE, messages.tune(1, "avoid.margin", 22))]
     plan += [(1.5, protocol.KEEP, messages.plain(1)), (2.0, protocol.RESTART, messages.plain(1)), (4.0, protocol.LIST, messages.plain(1))]

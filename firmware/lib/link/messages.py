@@ -6,10 +6,9 @@ change none and allocate nothing. What few ask for is in watched.py and requests
 
 from struct import pack_into
 
-import micropython
 from micropython import const
 
-from link.telemetry import copy
+from link.telemetry import copy, copy_points
 
 _TYPE = const(3)  # place of the type in a frame
 _AT = const(8)  # and of the payload
@@ -69,26 +68,14 @@ def wheels(data, drive, now_us):
     return _WHEELS_SIZE + 4 * count
 
 
-@micropython.viper
-def _unbias(source: ptr16, n: int, target: ptr8, at: int):
-    """Copy n coordinates without the 8192 that keeps them positive."""
-    i = 0
-    while i < n:
-        value = source[i] - 8192
-        target[at] = value & 255
-        target[at + 1] = (value >> 8) & 255
-        at += 2
-        i += 1
-
-
 def points(data, avoid, now_us):
     """The latest decision's, with their windows; as many as fit."""
     data[_TYPE] = _POINTS
     count = min(avoid.points_count, _MOST_POINTS)
     pack_into("<IH", data, _AT, now_us & _TIME, count)
     at = _AT + _POINTS_SIZE
-    _unbias(avoid.points_x, count, data, at)
-    _unbias(avoid.points_y, count, data, at + 2 * count)
+    copy_points(avoid.points_x, count, data, at)
+    copy_points(avoid.points_y, count, data, at + 2 * count)
     copy(avoid.points_window, 0, count, data, at + 4 * count)
     return _POINTS_SIZE + 5 * count
 

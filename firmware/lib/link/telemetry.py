@@ -13,6 +13,7 @@ _SEQUENCE = const(4)
 _LENGTH = const(6)
 _HEADER = const(8)
 _CHECK = const(2)
+_ORIGIN = const(8192)  # what the planner adds to coordinates
 _BUFFER = const(1408)  # the longest frame, 1400 bytes, rounded up for those who send in steps of 64
 
 # What the person asks of the robot, as DRIVE and DECISION number it
@@ -27,6 +28,18 @@ def copy(source: ptr8, start: int, count: int, target: ptr8, at: int):
     i = 0
     while i < count:
         target[at + i] = source[start + i]
+        i += 1
+
+
+@micropython.viper
+def copy_points(source: ptr16, count: int, target: ptr8, at: int):
+    """target from `at` on: `count` coordinates as i16, in mm, of the planner's, which are mm + 8192 so that they are never negative."""
+    i = 0
+    while i < count:
+        value = source[i] - _ORIGIN
+        target[at] = value & 255
+        target[at + 1] = (value >> 8) & 255
+        at += 2
         i += 1
 
 
