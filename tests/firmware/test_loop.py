@@ -70,19 +70,13 @@ def _run(mode):
             uart.data = scans[turn // _TURNS]
             frame = 0
             while frame < rooms.FRAMES:
-<<<<<<< Updated upstream
-                clock.now += rooms.FRAME_US
-                robot.step()
-                stages |= 1 << avoid.decision.stage
-=======
                 uart.waiting = True
                 clock.now += rooms.FRAME_US - 3000
                 for _ in range(4):  # the frame, the chips, slices of the decision
                     robot.step()
-                    stages |= 1 << avoid._stage
+                    stages |= 1 << avoid.decision.stage
                     clock.now += 1000
                 clock.now -= 1000
->>>>>>> Stashed changes
                 frame += 1
             turn += 1
     finally:
