@@ -96,6 +96,8 @@ _BYTE_NS = const(30)  # ten bits on the wire
 _FRAME_US20 = const(31)  # duration of a frame at 1/20 r/s
 _STATES = const(32)
 
+_COUNTER = const(0x3FFFFFFF)  # counters start again above: in an hour or two of garbage, or four months of frames
+
 
 @micropython.viper
 def _append(store: ptr8, state: ptr32, chunk: ptr8, count: int) -> int:
@@ -169,7 +171,7 @@ def _take(buffer, state: ptr32) -> int:
                         state[_GOOD] = 0
         if command == 0:
             at += 1
-            state[_SKIPPED] += 1
+            state[_SKIPPED] = (state[_SKIPPED] + 1) & _COUNTER
     state[_HEAD] = at
     if command == 0:
         state[_FRESH] = 0
@@ -390,7 +392,7 @@ class Lidar:
         state[_HEARD_US] = read_us
         self.n = state[_COUNT] = size // 3
         _unpack(store, state, self.bearings, self.distances, self.signals)
-        self.frames += 1
+        self.frames = (self.frames + 1) & _COUNTER
         if good < _TRUST_FRAMES:
             state[_GOOD] = good = good + 1
         if good == _TRUST_FRAMES:

@@ -81,7 +81,7 @@ class Sight:
 
     def look(self, frame, of):
         """of(bearing in 0.1 deg) -> mm, 0 for none."""
-        self.frame_us = (self.frame_us + FRAME_US) & 0x1FFFFFFF
+        self.frame_us = (self.frame_us + FRAME_US) & 0x3FFFFFFF
         for k in range(POINTS):
             self.bearings[k] = int(frame * 225 + 225 * k / POINTS)
             self.distances[k] = int(of(self.bearings[k]) * 4)

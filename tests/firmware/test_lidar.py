@@ -291,6 +291,25 @@ def test_time_out_is_learned_from_the_rate():
     assert not lidar.ok
 
 
+def test_trust_and_frame_times_hold_past_the_wraps_of_ticks():
+    for wrap in (2**29, 2**30):
+        uart = Uart()
+        lidar = Lidar(uart, None, Config)
+        now = wrap - 1_000_000
+        before = None
+        for k in range(200):
+            now = (now + PERIOD) % 2**30
+            uart.give(make_frame(2250 * (k % 16)))
+            while lidar.poll(now):
+                if before is not None:
+                    assert abs((lidar.frame_us - before) % 2**30 - PERIOD) < 1500, (wrap, k)
+                before = lidar.frame_us
+            assert lidar.ok == (k >= 7), (wrap, k)
+        uart.give(b"")
+        lidar.poll((now + 400_000) % 2**30)
+        assert not lidar.ok
+
+
 def test_speed_faults_alone_are_no_trust():
     uart = Uart()
     lidar = Lidar(uart, None, Config)

@@ -1,8 +1,8 @@
-"""surroundings.py: what is kept of what was seen."""
+"""local_map.py: what is kept of what was seen."""
 
 from array import array
 
-from rooms import FRAMES, Sight, Still
+from rooms import FRAME_US, FRAMES, Sight, Still
 
 from params.config import Config
 from perception.local_map import LocalMap
@@ -142,3 +142,42 @@ def test_a_mirrored_lidar_sees_past_things_too():
     look(lambda bearing: 900 if bearing < 200 or bearing > 3400 else 0, 16)  # those at the edge of a frame need a dozen turns
     for x, y in memory.seen():
         assert x * x + y * y > 800 * 800
+
+
+def test_ages_go_on_past_the_wraps_of_ticks():
+    for wrap in (2**29, 2**30):
+        memory = _Memory()
+        memory.sight.frame_us = (wrap - 1_000_000) % 2**30
+        memory.look(_post(500), 6)
+        assert memory.seen()
+        memory.look(_post(900, 900), 14)  # two seconds: past the wrap
+        for x, y in memory.seen():
+            assert x * x + y * y > 800 * 800, wrap
+
+
+def _wall(distance):
+    """Over the width of a frame, at whose edges points are kept longer."""
+    return lambda bearing: distance if 5 < bearing < 220 else 0
+
+
+def _at_500(memory):
+    return len([1 for x, y in memory.seen() if 70 < x < 120 and x * x + y * y < 512 * 512])
+
+
+def test_what_was_kept_for_long_is_not_young_again():
+    for turns in range(2, 64):
+        memory = _Memory()
+        memory.look(_wall(500), 2)
+        memory.look(_post(0), turns)  # without an echo; meanwhile the byte of the ages comes round twice
+        assert _at_500(memory), turns
+        memory.look(_wall(530))  # a surface beside: what is older than one and a half turns is not there any more
+        assert _at_500(memory) == 0, turns
+
+
+def test_frames_that_were_missed_make_points_older_as_well():
+    for missed in (0, FRAMES):
+        memory = _Memory()
+        memory.look(_wall(500), 2)
+        memory.sight.frame_us += missed * FRAME_US
+        memory.look(_wall(530))
+        assert (_at_500(memory) == 0) == (missed > 0), missed

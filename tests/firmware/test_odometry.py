@@ -59,3 +59,37 @@ def test_spin():
     turn = 256 / sqrt(115**2 + 248.5**2) * 180 / pi
     _near(_driven(900, -900, 108, 1000), (0, 0, turn), 1)
     _near(_driven(-900, 900, 108, 1000), (0, 0, -turn), 1)
+
+
+_WRAPS = (2**29, 2**30)
+
+
+def test_it_goes_on_past_the_wraps_of_ticks():
+    for wrap in _WRAPS:
+        odometry = Odometry(_Config())
+        drive = _Drive(0, 0, 108)
+        for now in range(0, 2001, 10):
+            odometry.advance((wrap - 1_000_000 + now * 1000) % 2**30, drive)
+        _near((odometry.x / 256, odometry.y / 256), (0, 512), 2)
+
+
+def test_a_pause_of_any_length_is_two_tenths_of_a_second():
+    for pause in (1_000_000, 2**29 - 1, 2**29 + 1_000_000, 2**30 - 10_000_000):
+        odometry = Odometry(_Config())
+        drive = _Drive(0, 0, 108)
+        odometry.advance(5_000_000, drive)
+        odometry.advance((5_000_000 + pause) % 2**30, drive)
+        _near((odometry.y / 256,), (51.2,), 1)
+        odometry.advance((5_100_000 + pause) % 2**30, drive)
+        _near((odometry.y / 256,), (76.8,), 1)
+
+
+def test_position_starts_again_after_a_kilometre():
+    odometry = Odometry(_Config())
+    odometry.y = 2**28 - 256
+    before = odometry.y >> 5 & 0xFFFF
+    drive = _Drive(0, 0, 108)
+    for now in range(0, 2001, 10):
+        odometry.advance(now * 1000, drive)
+    assert -(2**28) <= odometry.y < -(2**28) + 600 * 256
+    _near((((odometry.y >> 5) - before & 0xFFFF) / 8,), (512,), 2)  # on the map nothing jumps

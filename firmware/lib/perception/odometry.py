@@ -11,6 +11,7 @@ from micropython import const
 
 from core.trig import cos14, sin14
 
+_WORLD = const(0x10000000)  # x and y lie within it, 1048 m: a multiple of the 2**21 of the map's coordinates, so that these go on evenly
 _STEP_US = const(10_000)
 _PAUSE_US = const(200_000)
 
@@ -18,10 +19,9 @@ _PAUSE_US = const(200_000)
 class Odometry:
     """Pose of the body centre in a frame fixed at boot.
 
-    x right and y forward at boot in 1/256 mm, heading clockwise in 0.001 degree
-    (0..359999). `travel` counts the millimetres rolled by the fastest wheel, in
-    either direction: it is the age of a remembered point (drift grows with
-    travel, not with time).
+    x right and y forward at boot in 1/256 mm, modulo 2**29 (-2**28 .. 2**28 - 1: after a kilometre the sign changes), heading clockwise in
+    0.001 degree (0..359999). `travel256` counts 1/256 mm rolled by the fastest wheel, in either direction, modulo 2**26: it is the
+    age of a remembered point (drift grows with travel, not with time).
     """
 
     def __init__(self, config):
@@ -35,10 +35,6 @@ class Odometry:
         self.step_heading = 0  # 0.001 degree
         self.now_us = -1  # time of the estimate
 
-    @property
-    def travel(self):
-        return self.travel256 >> 8
-
     def advance(self, now_us, drive):
         """Add the motion up to about now; drive gives the twist (spec section 3).
 
@@ -48,7 +44,7 @@ class Odometry:
             self.now_us = now_us
             return
         late = ticks_diff(now_us, self.now_us)
-        if late > _PAUSE_US:  # a pause this long is a fault, not motion
+        if not -_PAUSE_US <= late <= _PAUSE_US:  # a pause this long is a fault, not motion; after one of minutes the difference is negative
             self.now_us = ticks_add(now_us, -_PAUSE_US)
             late = _PAUSE_US
         while late >= _STEP_US:
@@ -68,8 +64,8 @@ class Odometry:
         middle = (self.heading + (turn >> 1) + 50) // 100
         s = sin14(middle)
         c = cos14(middle)
-        self.x += (dx * c + dy * s + 8192) >> 14
-        self.y += (dy * c - dx * s + 8192) >> 14
+        self.x = ((self.x + ((dx * c + dy * s + 8192) >> 14) + _WORLD) & (2 * _WORLD - 1)) - _WORLD
+        self.y = ((self.y + ((dy * c - dx * s + 8192) >> 14) + _WORLD) & (2 * _WORLD - 1)) - _WORLD
         heading = self.heading + turn
         if heading < 0:
             heading += 360000
