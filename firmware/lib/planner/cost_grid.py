@@ -16,6 +16,7 @@ _ALL = const(0x0FFFFFFF)  # columns of a row
 _OUT = const(255)  # cost of what is closed or not reached
 _TRAIL = const(120)  # points of the trail
 _VISITS = const(40)  # a revisit cost rises no further
+_EMPTY = const(0xF0)  # footprint mask without a column
 _MARGIN = const(8)  # cells round the grid from which points reach into it
 
 # Fields of the job.
@@ -91,14 +92,14 @@ def cover(revisit: ptr8, tx: ptr16, ty: ptr16, job: ptr32, first: int, last: int
 
 
 @micropython.viper
-def close(closed: ptr32, near: ptr32, masks: ptr16, seen: ptr32, fx: ptr16, fy: ptr16, first: int, last: int, most: int, job: ptr32) -> int:
+def close(closed: ptr32, near: ptr32, masks: ptr8, seen: ptr32, fx: ptr16, fy: ptr16, first: int, last: int, most: int, job: ptr32) -> int:
     """Close the poses whose outline covers one of the points first..last-1, and mark in `near` those whose full outline does.
 
-    A point is taken to the half cell it lies in (seen: those that had one already). The footprint mask of the half cell says for each orientation and for 2 * reach + 1 rows
-    which of the columns round the point's own are closed: shifted to that column, it is laid on the row.
+    A point is taken to the half cell it lies in (seen: those that had one already). The footprint mask of the half cell (footprint_masks.py) says for each orientation and
+    for 2 * reach + 1 rows which of the columns round the point's own, 8, are closed. As bits, and shifted to that column, they are laid on the row:
 
-        mask     0 0 1 1 1 0 0 0    bit 8 is the point's column
-        row      . . . . . . . . . . . .    bits 0.. are the grid's columns
+        mask     0 0 1 1 1 0 0 0         column 8 is the point's
+        row      . . . . . . . . . . . . columns 0.. are the grid's
 
     Stops after `most` points that count. Returns the first point not looked at.
     """
@@ -145,10 +146,13 @@ def close(closed: ptr32, near: ptr32, masks: ptr16, seen: ptr32, fx: ptr16, fy: 
             end = t + top
             while row < end:
                 m = masks[i]
-                if m:
+                if m != _EMPTY:
+                    m = (2 << (m & 15)) - (1 << (m >> 4))
                     near[row] = near[row] | (((m << left) >> right) & _ALL)
                     m = masks[i + 1]
-                    closed[row] = closed[row] | (((m << left) >> right) & _ALL)
+                    if m != _EMPTY:
+                        m = (2 << (m & 15)) - (1 << (m >> 4))
+                        closed[row] = closed[row] | (((m << left) >> right) & _ALL)
                 i += 2
                 row += 1
             s += high + high

@@ -1,25 +1,26 @@
 """The outline on the grid of cost_to_go.py. Loaded to make the masks, then let go."""
 
-from array import array
 from math import cos, pi, sin
 
 from micropython import const
 
 _TURNS = const(12)
+_EMPTY = const(0xF0)
 
 
 def masks(width, length, margin, cell):
-    """array('H'): which poses a point closes, for cost_to_go.py to lay on its rows.
+    """bytearray: which poses a point closes, for cost_grid.py to lay on its rows.
 
     width, length, margin: mm; cell: 1/8 mm. A point stands in the middle of one of the four half cells of a place; for each of them, each
-    orientation and each row of the grid from `reach` below the point to `reach` above it, two words with a bit for each column, bit 8 the
-    point's own: poses whose full outline, with the margin, covers the point, and those whose outline made smaller does. Poses in which a point comes into
-    the outline proper are expensive; closed are only those in which it comes well into it, or narrow passages would close on the grid.
+    orientation and each row of the grid from `reach` below the point to `reach` above it, two bytes: first column << 4 | last column, 8 being the
+    point's own; 0xF0 for none. The first is of poses whose full outline, with the margin, covers the point, the second of those whose outline made smaller
+    does. Poses in which a point comes into the outline proper are expensive; closed are only those in which it comes well into it, or narrow passages
+    would close on the grid.
     """
     full = width * 4 + margin * 8, length * 4 + margin * 8
     small = width * 4 - cell * 3 // 10, length * 4 - cell * 6 // 10
     reach = int((full[0] * full[0] + full[1] * full[1]) ** 0.5 / cell + 0.25)
-    table = array("H", bytes(2 * 2 * 4 * _TURNS * (2 * reach + 1)))
+    table = bytearray(2 * 4 * _TURNS * (2 * reach + 1))
     at = 0
     for phase in range(4):
         across = (phase & 1) * 0.5 - 0.25
@@ -35,13 +36,13 @@ def masks(width, length, margin, cell):
 
 
 def _columns(half_width, half_length, s, c, across, up):
-    """Bits of the columns in which the outline at sine s, cosine c covers a point `across` and `up` of the pose's place; all in cells."""
+    """First and last of the columns in which the outline at sine s, cosine c covers a point `across` and `up` of the pose's place; all in cells."""
     low, high = -8.0, 7.0
     for offset, slope, half in ((-up * s, c, half_width), (up * c, s, half_length)):
         # |offset + slope * d| < half, d being the point's distance to the right of the pose
         if abs(slope) < 1e-6:
             if abs(offset) >= half:
-                return 0
+                return _EMPTY
             continue
         ends = across - (-half - offset) / slope, across - (half - offset) / slope
         low = max(low, min(ends))
@@ -49,5 +50,5 @@ def _columns(half_width, half_length, s, c, across, up):
     first = -int(-low) if low < 0 else int(low + 0.999999)
     last = int(high) if high >= 0 else -int(-high + 0.999999)
     if first > last:
-        return 0
-    return (1 << (last + 9)) - (1 << (first + 8))
+        return _EMPTY
+    return first + 8 << 4 | last + 8

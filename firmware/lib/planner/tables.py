@@ -22,10 +22,10 @@ from micropython import const
 from core.unload import unload
 
 PATH = "tables.bin"
-_VERSION = const(3)  # to be raised whenever a table comes to mean something else, or is made otherwise
+_VERSION = const(4)  # to be raised whenever a table comes to mean something else, or is made otherwise
 _HEAD = const(12)
 _LARGEST = const(16384)  # bytes of one array: a damaged file must not ask for all memory
-_TYPES = ("hhHHBHiHh", "HHH")  # of the arrays of each part; B: a bytearray
+_TYPES = ("hhHHBHiHh", "BHH")  # of the arrays of each part; B: a bytearray
 _BYTES = {"B": 1, "h": 2, "H": 2, "i": 4}
 
 
