@@ -34,7 +34,7 @@ class Delta2B:
         self.unplugged = False
         self._sector = 0
         self._since = 0.0
-        self._target = 0.0
+        self._target = 0.0 if mount.motor is not None else mount.speed  # then it turns by itself
         self.speed = 0.0
         self.began = 0.0
         self._begin(0.0)

@@ -30,7 +30,7 @@ class Electronics:
         self._trims = np.radians(np.array(vehicle.trims) / 10)
         self._directions = np.array(vehicle.servo_directions)
         self._speeds = np.array(vehicle.motor_directions) * vehicle.full_speed
-        self.enabled = False  # the pull-up holds the outputs off until the firmware drives the pin
+        self.enabled = vehicle.output_enable is None  # the pull-up holds the outputs off until the firmware drives the pin; without it they are on
         self._servo_phase = 0.0
         self.latch = NEVER
         self.stop_pressed = False
@@ -44,7 +44,8 @@ class Electronics:
     @property
     def levels(self):
         """Levels of the input pins, bit = GPIO."""
-        return 0 if self.stop_pressed else 1 << self._vehicle.stop_button
+        button = self._vehicle.stop_button
+        return 0 if self.stop_pressed or button is None else 1 << button
 
     @property
     def battery_reading(self):
@@ -84,10 +85,11 @@ class Electronics:
 
     def release_pins(self, time):
         """The processor resets: its pins float. The pull-up at the output-enable pin switches the chips' outputs off, the lidar's motor driver stops."""
-        self.enabled = False
+        self.enabled = self._vehicle.output_enable is None
         self._await_pulse(time)
         self._drive()
-        self._lidar.spin(time, 0)
+        if self._vehicle.lidar.motor is not None:
+            self._lidar.spin(time, 0)
 
     def pwm(self, time, gpio, duty):
         """The duty of a PWM pin changed, 0..1."""

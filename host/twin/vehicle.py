@@ -9,11 +9,11 @@ from host import compat
 class Lidar:
     """Where the lidar sits and how it counts.
 
-    rx, motor: GPIO. frames: a revolution. offset: bearing of its zero, 0.1 deg clockwise. speed: target, r/s. x, y, near, far: mm.
+    rx, motor: GPIO, motor None for a lidar that keeps its own speed. frames: a revolution. offset: bearing of its zero, 0.1 deg clockwise. speed: target, r/s. x, y, near, far: mm.
     """
 
     rx: int
-    motor: int
+    motor: int | None
     baud: int
     frames: int
     offset: int
@@ -50,9 +50,9 @@ class Vehicle:
     motor_channels: tuple
     motor_directions: tuple
     full_speed: float
-    output_enable: int
-    stop_button: int
-    battery: int
+    output_enable: int | None
+    stop_button: int | None
+    battery: int | None
     battery_divider: float
     lidar: Lidar
 

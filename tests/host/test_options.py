@@ -17,6 +17,8 @@ LATE = "import network\nnetwork.joins_after = 3\n"
 WRONG = "import network\nnetwork.networks = {'net': 'something else'}\n"
 NOWHERE = "import network\nnetwork.networks = {}\n"
 BROKEN = "import network\nnetwork.fails = 'WiFi Out of Memory'\n"
+# As on old boards
+UNCALIBRATED = "import machine\ndef read_uv(self): raise OSError(-1)\nmachine.ADC.read_uv = read_uv\n"
 # Somebody asks for the session, and the radio has no buffers for a while.
 ASKED = f"import socket\nsocket.inbox = [({frames.frame(protocol.GREET, bytes((1, 0, 0, 0, 1)))!r}, ('10.0.0.7', 4321))]\nsocket.busy = 5\n"
 
@@ -81,3 +83,26 @@ def test_a_robot_that_is_the_network_drives(tmp_path, password):
 @pytest.mark.parametrize("kind", ("usart-gpu", "uart-lcd", "nextion"))
 def test_each_screen_shows_while_it_drives(tmp_path, kind):
     assert drive(tmp_path, {"screen.kind": kind}).uarts
+
+
+@pytest.mark.parametrize("pin", ("pins.stop_button", "pins.battery", "pins.output_enable", "lidar.motor_pin"))
+def test_without_that_pin_it_drives(tmp_path, pin):
+    drive(tmp_path, {pin: None})
+
+
+@pytest.mark.parametrize("axles", range(2, 9))
+def test_any_number_of_axles_drives(tmp_path, axles):
+    lists = {"channels": list(range(2 * axles)), "directions": 1, "trims": 0, "low": -90, "high": 90, "pulse_low": 500, "pulse_high": 2500}
+    changes = {f"servos.{key}": value for key, value in lists.items()}
+    changes.update({"motors.channels": list(range(0, 2 * axles, 2)), "motors.directions": 1})
+    drive(tmp_path, {**changes, "axles.spacings": [497 // (axles - 1)] * (axles - 1), "axles.first": 248.5})
+
+
+def test_with_the_last_axle_straight_it_drives(tmp_path):
+    drive(tmp_path, {"mode": "NAWS"})
+
+
+def test_a_board_without_calibration_drives_and_says_so(tmp_path):
+    witness = drive(tmp_path, {}, UNCALIBRATED)
+    assert "not calibrated" in witness.told("log")[0]["text"]
+    assert abs(witness.told("health")[-1]["battery"] - 7.8) < 0.1
