@@ -250,18 +250,28 @@ def test_decisions_passed_over_and_frames_not_taken_are_counted():
     assert link.dropped > 20
 
 
-def test_a_long_message_is_put_together_in_one_turn_and_sealed_in_the_next():
+def test_a_long_message_takes_three_turns():
     link, line, robot = make()
     robot.avoid.decisions = 1
-    before = 0
+    sent = [0, 0, 0]
     for now in range(0, 1_000_000, 1000):
-        sent = line.used
+        sent.append(line.used)
         link.update(now, robot)
-        if line.used > sent and line.out[sent + 3] == protocol.POINTS:
-            assert before == sent  # nothing went out in the turn before
+        if line.used > sent[-1] and line.out[sent[-1] + 3] == protocol.POINTS:
+            assert sent[-3] == sent[-1]  # nothing went out in the two turns before
             return
-        before = sent
     raise AssertionError("no points were sent")
+
+
+def test_a_long_message_is_not_sealed_while_a_command_comes_in():
+    link, line, robot = make()
+    robot.avoid.decisions = 1
+    run(link, line, robot, 0, 100_000)
+    robot.avoid.decisions = 2
+    line.receive(frame(protocol.LIST, b"\4\0\0\0")[:9])
+    assert protocol.POINTS not in run(link, line, robot, 200_000, 300_000)
+    line.receive(frame(protocol.LIST, b"\4\0\0\0")[9:])
+    assert protocol.POINTS in run(link, line, robot, 300_000, 400_000)
 
 
 def test_driving_by_hand_ends_within_300_ms():

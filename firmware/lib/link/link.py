@@ -11,7 +11,8 @@ robot has
     off()                            before it starts anew
 
 One message is under way at a time. What is told again and again tells the latest when its turn comes, and what was passed over is counted in
-`dropped`; what is told once waits. A long message is put together in one call and sealed in the next, as both together would take too long.
+`dropped`; what is told once waits. A long message is put together in one call, sealed in another in which nothing comes in, and sent in a third:
+together that would take too long.
 """
 
 from struct import pack_into
@@ -71,6 +72,7 @@ class Link(Commands):
         self._decisions = self._points_of = -1
         self._pose_next = False
         self._unsealed = 0  # payload's length of the long message that has been put together
+        self._sealed = False  # True when it has its check and has yet to be sent
         self._names_due = False
         self._asker = None  # the carrier over which somebody asked without knowing the session
         self._logs = []
@@ -102,20 +104,28 @@ class Link(Commands):
     def update(self, now_us, robot):
         """Hear commands, go on with a message. KeyboardInterrupt after a Ctrl-C on USB."""
         idle = True
+        hears = False
         for line in self._carriers:
             line.update(now_us)
             idle = idle and line.idle()
             while line.take(now_us):
                 self._hear(line, now_us, robot)
+                hears = True
+            hears = hears or line.decoder.waiting()
         self.expire(now_us)
         if robot.health is not None:
             self._button(now_us, robot.health.fault == STOP_BUTTON)
         self._remark(robot)
-        if idle and self._unsealed:
-            self._send(self._unsealed)
-            self._unsealed = 0
-        elif idle:
-            self._tell(now_us, robot)
+        if idle:
+            if self._sealed:
+                self._sealed = False
+                self._send()
+            elif not self._unsealed:
+                self._tell(now_us, robot)
+            elif not hears:
+                self._encoder.seal(self._unsealed)
+                self._unsealed = 0
+                self._sealed = True
         if self._rare is not None and ticks_diff(now_us, self._rare_us) > _QUIET_US and self.listing < 0:
             self._rare = None
             forget("link.requests", "params.settings")
@@ -192,7 +202,8 @@ class Link(Commands):
         else:
             length = self._once(data, now_us) or self._again(data, now_us, robot)
             if length:
-                self._send(length)
+                self._encoder.seal(length)
+                self._send()
             else:
                 self._unsealed = self._long(data, now_us, robot)
 
@@ -200,7 +211,8 @@ class Link(Commands):
         self._told_us[_HELLO] = now_us
         self._names_due = self._names_due or self.greeted
         self.greeted = False
-        self._send(messages.hello(data, self.session, self.counter, self._identity))
+        self._encoder.seal(messages.hello(data, self.session, self.counter, self._identity))
+        self._send()
         for line in self._carriers:
             if line.signed:
                 line.announce(self._encoder)
@@ -268,8 +280,7 @@ class Link(Commands):
             return self._watched.candidates(data, avoid, self._side | (2 if avoid.v < 90 else 0), now_us)
         return 0
 
-    def _send(self, length):
-        self._encoder.seal(length)
+    def _send(self):
         for line in self._carriers:
             if not line.send(self._encoder):
                 self.dropped += 1

@@ -54,7 +54,10 @@ class Datagrams:
                 continue
             if self.decoder.load(data, len(data)):
                 return True
-        return self.decoder.take()
+        if self.decoder.take():
+            return True
+        self.decoder.clear()
+        return False
 
     def heard(self, now_us):
         """Whoever sent the last datagram is the one to send to."""
