@@ -54,10 +54,12 @@ def build(avoid, config):
     decision._next = 0  # the candidate at which the next slice goes on
     decision._least = NOTHING  # score of the best single move known
     decision._renewing = False
-    decision._made_at = array("i", (0, 0, 0))  # where the cost to go was begun, and on which frame
-    decision._made_frame = 0
-    decision._travel = 0  # where and on which frame the last single move was chosen
-    decision._frame = 0
+    decision._made_at = array("i", (0, 0, 0))  # where the cost to go was begun, and when
+    decision._made_us = 0
+    decision._late = False  # whether making it took long, and it has not served yet
+    decision._travel = 0  # where and when the last single move was chosen
+    decision._chosen_us = 0
+    decision._frames_first = config.lidar_frames * 5 // 4  # a revolution and a little: before, the map has gaps
     decision._followed = -1  # frame on which the plan was looked at last
     decision._anchor = array("i", (0, 0, 0))  # where the robot got anywhere last, and how often it has backed up since
     decision._reversals = 0

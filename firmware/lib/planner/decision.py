@@ -8,6 +8,8 @@ ones too, and the best moves are each followed by a second one (two_step.py).
 Source: papers A section 4 and B section 3; the cost to go and the second move are this project's own.
 """
 
+from time import ticks_diff
+
 from micropython import const
 
 from planner import reasons
@@ -16,7 +18,7 @@ from planner.candidates import LENGTHS
 from planner.move_cost import NOTHING, best, clear, in_a_slice
 
 _PATIENCE = const(5)  # times backing up on the same ground
-_FRAMES_FIRST = const(20)  # a revolution and a little: before, the map has gaps
+_CHOSEN_US = const(76_000)  # as long a single move is left alone
 
 # What a stage gives back: the stage that comes next, by its place in Decision.STAGES.
 COST_TO_GO = const(0)
@@ -29,13 +31,15 @@ _FIRST_MOVES = const(6)
 _SECOND_MOVES = const(7)
 _SETTLE = const(8)
 
-# How far the robot may have gone since the cost to go was begun, in parts of the look-ahead, and for how many frames it serves.
+# How far the robot may have gone since the cost to go was begun, in parts of the look-ahead, and how old it may be to serve once more.
 _FRESH = const(10)
-_FRESH_FRAMES = const(40)
+_FRESH_US = const(379_000)
 _FIT = const(6)  # single moves are made where it is wide: it need not be as fresh
-_FIT_FRAMES = const(64)
-_NO_AGE = const(0xFFFF)
+_FIT_US = const(606_000)
+_NO_AGE = const(0x1FFFFFFF)
 _TURNED = const(7999)  # 0.001 deg
+_LATE = const(4)  # ... where making it took longer than that: it serves once, whatever its age
+_LATE_TURNED = const(20_000)
 
 _SINGLE = (reasons.ON, reasons.BEND, reasons.CRAB)
 
@@ -62,13 +66,17 @@ class Decision:
         ways = self._ways
         if self._resting(odometry):
             # A plan near its end: the next decision will want a cost to go that fits.
-            if plan.moves and plan.left(odometry) < self._candidates.look_ahead >> 2 and (self._renewing or not self._fits(odometry, _FRESH, _FRESH_FRAMES)):
+            if plan.moves and plan.left(odometry) < self._candidates.look_ahead >> 2 and (self._renewing or not self._fits(odometry, _FRESH, _FRESH_US)):
                 self._renew(odometry)
             return REST
         single = plan.why in _SINGLE
         if not plan.moves:
-            fits = self._fits(odometry, _FIT, _FIT_FRAMES) if single else self._fits(odometry, _FRESH, _FRESH_FRAMES)
-            if self._renewing or not fits or ways.frames < _FRAMES_FIRST:
+            fits = self._fits(odometry, _FIT, _FIT_US) if single else self._fits(odometry, _FRESH, _FRESH_US)
+            if self._renewing or not fits or ways.frames < self._frames_first:
+                if self._late and plan.v != 90:
+                    # Driven on too far while it was made: the next one is made standing.
+                    plan.stand(reasons.LOOKING)
+                    self._decided = True
                 return COST_TO_GO
         if ways.seen != ways.frames:
             ways.see(odometry)
@@ -78,6 +86,7 @@ class Decision:
             self._followed = ways.frames
             self._decided = plan.follow(odometry)
             return REST
+        self._late = False
         self._here = self.move_cost.stand(odometry)
         for scores in self.scores:
             clear(scores, LENGTHS * self._candidates.count)
@@ -120,7 +129,7 @@ class Decision:
         plan = self._plan
         if self._choose_one():
             self._travel = odometry.travel256
-            self._frame = self._ways.frames
+            self._chosen_us = odometry.now_us
             plan.look()
             self._decided = True
             return REST
@@ -194,29 +203,35 @@ class Decision:
         The guard watches both, and a few millimetres on nothing has changed.
         """
         plan = self._plan
-        frames = self._ways.frames
         if plan.moves:
-            return self._followed == frames and not plan.arrived(odometry)
+            return self._followed == self._ways.frames and not plan.arrived(odometry)
         if plan.v == 90:
             return False
         rolled = (odometry.travel256 - self._travel) & 0x3FFFFFF
-        return rolled < self._candidates.look_ahead * 5 and frames - self._frame < 8
+        return rolled < self._candidates.look_ahead * 5 and ticks_diff(odometry.now_us, self._chosen_us) < _CHOSEN_US
 
     def _renew(self, odometry):
         """One slice of the next cost to go; False after the last. It cannot be asked before."""
         if not self._renewing:
             mark(self._made_at, odometry)
-            self._made_frame = self._ways.frames
+            self._made_us = odometry.now_us
         self._renewing = not self.cost_to_go.step(odometry, self._map)
+        if not self._renewing:
+            self._late = ticks_diff(odometry.now_us, self._made_us) > _FRESH_US
         return self._renewing
 
-    def _fits(self, odometry, part, frames):
-        """Whether the cost to go still fits: the robot has not moved by look-ahead / part since it was begun, hardly turned, and it is no older than that."""
-        return (
-            self.cost_to_go.ready
-            and not away(self._made_at, odometry, self._candidates.look_ahead // part, _TURNED)
-            and self._ways.frames - self._made_frame < frames
-        )
+    def _fits(self, odometry, part, age_us):
+        """Whether the cost to go still fits: the robot has not moved by look-ahead / part since it was begun, hardly turned, and it is not older.
+
+        One that took long to make serves once, however old, if the robot has not gone much farther: it would else be begun again and again.
+        """
+        near = self._candidates.look_ahead // part
+        turned = _TURNED
+        if self._late:
+            age_us = _NO_AGE
+            near = max(near, self._candidates.look_ahead // _LATE)
+            turned = _LATE_TURNED
+        return self.cost_to_go.ready and not away(self._made_at, odometry, near, turned) and ticks_diff(odometry.now_us, self._made_us) < age_us
 
     def check_some(self, mirroring):
         """Check and score the next candidates of one mirroring, as many as a slice allows. True when all are done."""
