@@ -36,7 +36,7 @@ class Avoid:
         """Take over parameters that may have been tuned. Margins and look-ahead count from the next start: the tables are made with them."""
         config = self.config
         self.decision.move_cost.configure(config)
-        self._windows.configure(config)
+        self.windows.configure(config)
         self._changes = config.changes
 
     def frame(self, lidar, odometry):
@@ -85,7 +85,7 @@ class Avoid:
         ways = self.ways
         if decided:
             plan = self.plan
-            plan.v = choose_speed(plan, ways.soft[plan.candidate], self.candidates.lengths[1], self._windows.urgent, self.config)
+            plan.v = choose_speed(plan, ways.soft[plan.candidate], self.candidates.lengths[1], self.windows.urgent, self.config)
             self._publish(1)
         self.points_count = ways.n
         self.points_ordered = ways.ordered
@@ -95,7 +95,7 @@ class Avoid:
         """Lay out what belongs to the decision for those who look on; news: 1 if they are to take notice, 0 if not."""
         plan = self.plan
         ways = self.ways
-        windows = self._windows
+        windows = self.windows
         self.af = plan.af
         self.ar = plan.ar
         self.v = plan.v

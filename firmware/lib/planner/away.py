@@ -8,10 +8,10 @@ def mark(place, odometry):
     place[2] = odometry.heading
 
 
-def away(place, odometry, distance, turn):
-    """Whether the robot is `distance` mm from the place or farther, or has turned by more than `turn` (0.001 deg) since."""
+def away(place, odometry, reach, heading):
+    """Whether the robot is `reach` mm from the place or farther, or has turned by more than `heading` (0.001 deg) since."""
     # Modulo 8 m: the odometry's coordinates go round.
     dx = ((odometry.x - place[0] & 0x1FFFFF ^ 0x100000) - 0x100000) >> 8
     dy = ((odometry.y - place[1] & 0x1FFFFF ^ 0x100000) - 0x100000) >> 8
     turned = (odometry.heading - place[2]) % 360000
-    return dx * dx + dy * dy >= distance * distance or min(turned, 360000 - turned) > turn
+    return dx * dx + dy * dy >= reach * reach or min(turned, 360000 - turned) > heading

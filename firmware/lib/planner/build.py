@@ -2,6 +2,8 @@
 
 from array import array
 
+from micropython import const
+
 from perception.local_map import LocalMap
 from perception.windows import NO_ZONE, Windows
 from planner import reasons
@@ -14,39 +16,39 @@ from planner.move_cost import NOTHING, MoveCost
 from planner.plan import Plan
 from planner.two_step import MOST, TwoStep
 
-_POINTS = 320
-_BACKWARD = 150  # mm that a move backward costs for being one
-_BACKWARD_NAWS = 300  # ... where the robot drives worse that way
-_NO_POINT = 32767
+_POINTS = const(320)
+_BACKWARD = const(150)  # mm that a move backward costs for being one
+_BACKWARD_NAWS = const(300)  # ... where the robot drives worse that way
+_NO_POINT = const(32767)
 
 
-def build(avoid, config):
+def build(self, config):
     """Everything that an Avoid has. ConfigError is not raised: the config was checked."""
-    avoid.config = config
-    avoid.candidates = candidates = Candidates(config)
-    avoid.map = local_map = LocalMap(config)
-    avoid._windows = windows = Windows(config, _POINTS)
+    self.config = config
+    self.candidates = candidates = Candidates(config)
+    self.map = points = LocalMap(config)
+    self.windows = windows = Windows(config, _POINTS)
     cost_to_go = CostToGo(config)
     # The making of a cost to go and the scores of a decision: never at the same time.
     moves = LENGTHS * candidates.count
     scratch = memoryview(cost_to_go.scratch)
     scores = tuple(scratch[moves * k : moves * (k + 1)] for k in range(4))
-    avoid.ways = ways = _free_ways(local_map, windows, candidates)
+    self.ways = ways = _free_ways(points, windows, candidates)
     move_cost = MoveCost(cost_to_go, candidates)
     two_step = _two_step(candidates, move_cost, ways, scores)
-    avoid.plan = plan = _plan(candidates, ways, two_step)
+    self.plan = plan = _plan(candidates, ways, two_step)
 
-    avoid.decision = decision = Decision()
+    self.decision = decision = Decision()
     decision.stage = 0
     decision.scores = scores
     decision.cost_to_go = cost_to_go
     decision.move_cost = move_cost
     decision._config = config
-    decision._map = local_map
+    decision.map = points
     decision._candidates = candidates
-    decision._ways = ways
+    decision.ways = ways
     decision.two_step = two_step
-    decision._plan = plan
+    decision.plan = plan
     decision._backward = _BACKWARD if config.mode == "AWS" else _BACKWARD_NAWS
     decision._decided = False
     decision._here = 0  # cost to go where the decision began
@@ -64,27 +66,27 @@ def build(avoid, config):
     decision._anchor = array("i", (0, 0, 0))  # where the robot got anywhere last, and how often it has backed up since
     decision._reversals = 0
 
-    avoid.points_x = ways.x
-    avoid.points_y = ways.y
-    avoid.points_window = windows.window
-    avoid.points_count = 0
-    avoid.points_ordered = True
-    avoid.free_of = ways.free_of
-    avoid.af = avoid.ar = avoid.mode = avoid.window = avoid.free = avoid.decisions = 0
-    avoid.v = plan.v
-    avoid.zone = NO_ZONE
-    avoid.block_x = avoid.block_y = _NO_POINT
-    avoid.why = plan.why
+    self.points_x = ways.x
+    self.points_y = ways.y
+    self.points_window = windows.window
+    self.points_count = 0
+    self.points_ordered = True
+    self.free_of = ways.free_of
+    self.af = self.ar = self.mode = self.window = self.free = self.decisions = 0
+    self.v = plan.v
+    self.zone = NO_ZONE
+    self.block_x = self.block_y = _NO_POINT
+    self.why = plan.why
 
 
 def _words(count):
     return array("H", bytes(2 * count))
 
 
-def _free_ways(local_map, windows, candidates):
+def _free_ways(points, windows, candidates):
     ways = FreeWays()
-    ways._map = local_map
-    ways._windows = windows
+    ways.map = points
+    ways.windows = windows
     ways._candidates = candidates
     ways.collision = CollisionCheck(candidates)
     ways.swing = candidates.half_width + candidates.soft + candidates.half_length // 2  # of the tail, see drop_behind()
@@ -102,14 +104,13 @@ def _free_ways(local_map, windows, candidates):
 def _two_step(candidates, move_cost, ways, scores):
     two_step = TwoStep()
     two_step._candidates = candidates
-    two_step._move_cost = move_cost
+    two_step.move_cost = move_cost
     two_step.ways = ways
     two_step.scores = scores
     two_step.mirroring = bytearray(MOST)
     two_step.candidate = bytearray(MOST)
     two_step.length = _words(MOST)
     two_step._score = array("i", bytes(4 * MOST))
-    two_step._free = _words(candidates.count)
     two_step._n = two_step._near = two_step._ahead = 0  # points as seen from the end of a first move: all, near ones, those not behind
     two_step.second_mirroring = two_step.second_candidate = two_step.second_length = 0
     two_step.begin()
@@ -119,8 +120,8 @@ def _two_step(candidates, move_cost, ways, scores):
 def _plan(candidates, ways, two_step):
     plan = Plan()
     plan._candidates = candidates
-    plan._ways = ways
-    plan._two_step = two_step
+    plan.ways = ways
+    plan.two_step = two_step
     plan.mirroring = plan.candidate = plan.af = plan.ar = plan.free = plan._until = 0
     plan.stand(reasons.WAITING)
     return plan

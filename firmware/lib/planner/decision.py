@@ -62,8 +62,8 @@ class Decision:
 
     def _rest(self, odometry):
         """Nothing to decide as long as the plan holds, or the single move is fresh; else begin, with points and a cost to go that fit."""
-        plan = self._plan
-        ways = self._ways
+        plan = self.plan
+        ways = self.ways
         if self._resting(odometry):
             # A plan near its end: the next decision will want a cost to go that fits.
             if plan.moves and plan.left(odometry) < self._candidates.look_ahead >> 2 and (self._renewing or not self._fits(odometry, _FRESH, _FRESH_US)):
@@ -99,8 +99,8 @@ class Decision:
     def _bound(self, odometry):
         """Lower bounds of the moves ahead to one side."""
         side = self._side
-        plan = self._plan
-        self._next = self.move_cost.lower_bound(side, self._ways.free_of[side], self.scores[side], self._next, plan.af, plan.ar)
+        plan = self.plan
+        self._next = self.move_cost.lower_bound(side, self.ways.free_of[side], self.scores[side], self._next, plan.af, plan.ar)
         if self._next < self._candidates.count:
             return _BOUND
         self._next = 0
@@ -110,7 +110,7 @@ class Decision:
         """Check the candidates ahead to one side best first, until the best of them is known."""
         side = self._side
         scores = self.scores[side]
-        ways = self._ways
+        ways = self.ways
         ways.mirror(side)
         number = self.move_cost.best_first(ways, ways.free_of[side], scores, self._least)
         ways.mirror(side)
@@ -118,7 +118,7 @@ class Decision:
             return _CHECK_BEST
         if number != NOTHING:
             self._least = scores[number]
-        if side == self._plan.mirroring & 1:
+        if side == self.plan.mirroring & 1:
             self._side = side ^ 1
             return _BOUND
         self._side = 0
@@ -126,7 +126,7 @@ class Decision:
 
     def _choose(self, odometry):
         """Take the best single move if it gets on well."""
-        plan = self._plan
+        plan = self.plan
         if self._choose_one():
             self._travel = odometry.travel256
             self._chosen_us = odometry.now_us
@@ -151,7 +151,7 @@ class Decision:
         if side < 4:
             return _CHECK_ALL
         pose = self.move_cost
-        self._ways.look(pose.x, pose.y, pose.heading)
+        self.ways.look(pose.x, pose.y, pose.heading)
         self.two_step.begin()
         return _FIRST_MOVES
 
@@ -166,7 +166,7 @@ class Decision:
 
     def _settle(self, odometry):
         """Drive the best pair of moves, or the least bad single one, or stand."""
-        plan = self._plan
+        plan = self.plan
         first = self.two_step
         self._decided = True
         if self._reversals >= _PATIENCE and self._escape(odometry):
@@ -188,7 +188,7 @@ class Decision:
             plan.why = reasons.CENTRE
             if not most:
                 plan.stand(reasons.BOXED)
-        self._count_reversals(odometry, plan.mirroring > 1)
+        self._count_reversals(odometry)
         # Anew for this one: checking others has moved the points about.
         plan.look()
         if not plan.limit:
@@ -202,9 +202,9 @@ class Decision:
 
         The guard watches both, and a few millimetres on nothing has changed.
         """
-        plan = self._plan
+        plan = self.plan
         if plan.moves:
-            return self._followed == self._ways.frames and not plan.arrived(odometry)
+            return self._followed == self.ways.frames and not plan.arrived(odometry)
         if plan.v == 90:
             return False
         rolled = (odometry.travel256 - self._travel) & 0x3FFFFFF
@@ -215,7 +215,7 @@ class Decision:
         if not self._renewing:
             mark(self._made_at, odometry)
             self._made_us = odometry.now_us
-        self._renewing = not self.cost_to_go.step(odometry, self._map)
+        self._renewing = not self.cost_to_go.step(odometry, self.map)
         if not self._renewing:
             self._late = ticks_diff(odometry.now_us, self._made_us) > _FRESH_US
         return self._renewing
@@ -236,8 +236,8 @@ class Decision:
     def check_some(self, mirroring):
         """Check and score the next candidates of one mirroring, as many as a slice allows. True when all are done."""
         env = self._candidates
-        ways = self._ways
-        plan = self._plan
+        ways = self.ways
+        plan = self.plan
         first = self._next
         count = env.count
         if mirroring & 2:
@@ -259,7 +259,7 @@ class Decision:
     def _choose_one(self):
         """Take the best single move ahead. False if it does not get on well."""
         env = self._candidates
-        plan = self._plan
+        plan = self.plan
         value = NOTHING
         number = mirroring = 0
         for side in (0, 1):
@@ -274,7 +274,7 @@ class Decision:
         if (
             value == NOTHING
             or value > self._here + min(env.lengths[1], env.lengths[number % LENGTHS])
-            or self._ways.free_of[mirroring][k] < self._config.avoid_accept
+            or self.ways.free_of[mirroring][k] < self._config.avoid_accept
         ):
             return False
         plan.take(mirroring, k)
@@ -288,7 +288,7 @@ class Decision:
         found = -1
         mirroring = 0
         for one in mirrorings:
-            free = self._ways.free_of[one]
+            free = self.ways.free_of[one]
             for k in range(self._candidates.count):
                 if free[k] > least:
                     least = free[k]
@@ -296,7 +296,7 @@ class Decision:
                     found = k
         if found < 0:
             return 0
-        self._plan.take(mirroring, found)
+        self.plan.take(mirroring, found)
         return least
 
     def _escape(self, odometry):
@@ -306,13 +306,13 @@ class Decision:
         if not most:
             return False
         self.two_step.found = False  # no second move
-        self._plan.begin(1, min(most - lengths[0], lengths[3]), odometry, reasons.AGAIN)
+        self.plan.begin(1, min(most - lengths[0], lengths[3]), odometry, reasons.AGAIN)
         self._reversals = 0
         return True
 
-    def _count_reversals(self, odometry, back):
+    def _count_reversals(self, odometry):
         """How often the robot has backed up since it last got anywhere: a third of its length on, or 15 degrees round."""
         if away(self._anchor, odometry, self._candidates.half_length * 2 // 3, 15000):
             mark(self._anchor, odometry)
             self._reversals = 0
-        self._reversals += back
+        self._reversals += self.plan.mirroring >> 1

@@ -21,15 +21,15 @@ class FreeWays:
     def look(self, x, y, heading):
         """The points from a pose (1/8 mm, 0.1 deg), in the order of the map: which of them serve must not depend on what was checked before."""
         env = self._candidates
-        windows = self._windows
-        self.n = n = self._map.view(x, y, heading, self.x, self.y, env.look_ahead + env.half_length)
+        windows = self.windows
+        self.n = n = self.map.view(x, y, heading, self.x, self.y, env.look_ahead + env.half_length)
         windows.sort(self.x, self.y, n)
         self.near = windows.near
         self.ordered = True
 
     def sort_near(self, x, y, n):
         """Bring those of other points that lie at the outline to the front; returns how many."""
-        return self._windows.sort_near(x, y, n)
+        return self.windows.sort_near(x, y, n)
 
     def free(self, mirroring, candidate):
         """mm that one candidate is free."""

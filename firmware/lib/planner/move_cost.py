@@ -211,7 +211,7 @@ class MoveCost:
     """
 
     def __init__(self, cost_to_go, candidates):
-        self._cost_to_go = cost_to_go
+        self.cost_to_go = cost_to_go
         self._candidates = candidates
         self._job = array("i", [0] * _FIELDS)
         self._poses = array("i", [0] * 15)
@@ -235,7 +235,7 @@ class MoveCost:
 
     def stand_at(self, x, y, heading):
         """Score from a pose x, y (mm) and heading (0.1 deg) as seen from where stand() was called. Returns its cost to go, mm."""
-        field = self._cost_to_go
+        field = self.cost_to_go
         job = self._job
         a = self.heading
         s = sin14(a)
@@ -263,7 +263,7 @@ class MoveCost:
 
     def _run(self, free, scores):
         env = self._candidates
-        _score(self._cost_to_go.cost, env.ends, env.turns, env.af, env.ar, env.lengths, free, scores, self.checked, self._job, self._poses)
+        _score(self.cost_to_go.cost, env.ends, env.turns, env.af, env.ar, env.lengths, free, scores, self.checked, self._job, self._poses)
 
     def score(self, mirroring, free, soft, scores, first, last, stride, af, ar, extra):
         """Fill the scores of candidates first, first + stride, ... before last in a mirroring.

@@ -27,7 +27,7 @@ class Plan:
         self.candidate = candidate
         self.af = candidates.af_of(mirroring, candidate)
         self.ar = candidates.ar_of(mirroring, candidate)
-        self.free = self._ways.free_of[mirroring][candidate]
+        self.free = self.ways.free_of[mirroring][candidate]
 
     def begin(self, moves, length, odometry, why):
         """The steering taken is a move of `length` mm: number `moves` of a plan."""
@@ -44,7 +44,7 @@ class Plan:
 
     def look(self):
         """How far the steering is free among the points as they are now."""
-        self.free = free = self._ways.free(self.mirroring, self.candidate)
+        self.free = free = self.ways.free(self.mirroring, self.candidate)
         return free
 
     def left(self, odometry):
@@ -62,11 +62,11 @@ class Plan:
             self.limit = left
             if self.free >= min(left, 2 * lengths[0]) - _SLACK:
                 return True
-        elif self.moves == 1 and self._two_step.found:
-            second = self._two_step
+        elif self.moves == 1 and self.two_step.found:
+            second = self.two_step
             mirroring = second.second_mirroring
             length = second.second_length
-            if self._ways.free(mirroring, second.second_candidate) >= min(length, lengths[1]):
+            if self.ways.free(mirroring, second.second_candidate) >= min(length, lengths[1]):
                 self.take(mirroring, second.second_candidate)
                 self.begin(2, length, odometry, reasons.PLAN)
                 return True

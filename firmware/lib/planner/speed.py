@@ -4,10 +4,10 @@ from perception.windows import RED
 from planner.plan import STANDING
 
 
-def choose_speed(plan, soft, narrow, urgent, config):
+def choose_speed(plan, soft, near, urgent, config):
     """V of a plan, 0..180 with 90 standing.
 
-    soft: mm until the steering gets narrow, if less than `narrow` it goes slower; urgent: the most urgent window that has a point.
+    soft: mm until the steering gets narrow, if less than `near` it goes slower; urgent: the most urgent window that has a point.
     """
     way = min(plan.free, plan.limit)
     if way <= 0:
@@ -15,7 +15,7 @@ def choose_speed(plan, soft, narrow, urgent, config):
     cruise = config.drive_cruise - STANDING
     # Stop within the free way: it takes about speed / 10 mm.
     v = min((60 + way * 3) * 90 // config.motors_full_speed, cruise)
-    if soft < narrow:
+    if soft < near:
         v = min(v, cruise * 4 // 5)
     if 0 < urgent <= RED:
         v = min(v, cruise // 2)

@@ -25,8 +25,8 @@ class TwoStep:
     mirroring, candidate, length    bytearrays and array 'H'; those of the pair's first move at `chosen`
     second_mirroring, second_candidate, second_length    its second move, mm
 
-    scores: by mirroring, of the first moves. While second moves are tried the scores of the first ones are not needed any more: those of one mirroring are the second moves', and two
-    hold the points as seen from the end of a first move.
+    scores: by mirroring, of the first moves. While second moves are tried the scores of the first ones are not needed any more: those of one mirroring are the second moves', two hold the
+    points as seen from the end of a first move, and the last one the free lengths.
     """
 
     def begin(self):
@@ -71,7 +71,7 @@ class TwoStep:
         env = self._candidates
         if self._next == 0:
             self._stand_at_end()
-        last = self._try_some(env)
+        last = self._try_some()
         if last < env.count:
             self._next = last
             return False
@@ -103,18 +103,19 @@ class TwoStep:
             turn = env.end_turn
             self._n = move(ways.x, ways.y, ways.n, env.end_x, env.end_y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, x, y, 2)
             self._near = ways.sort_near(x, y, self._n)
-            cost = self._move_cost.stand_at(env.end_x, env.end_y, turn)
+            cost = self.move_cost.stand_at(env.end_x, env.end_y, turn)
             if not fine:
                 self._score[at] -= cost  # that of the second move's end takes its place
         if self._left:
             mirror(x, self._n)
         self._ahead = drop_behind(x, y, self._near, self._n, env.half_length + env.soft, ways.swing)
 
-    def _try_some(self, env):
+    def _try_some(self):
         """Check and score the next second moves, and keep the best pair. Returns the candidate after them."""
+        env = self._candidates
         ways = self.ways
         scores = self.scores[0]
-        free = self._free
+        free = self.scores[3]
         at = self._at
         mirroring = self.mirroring[at]
         candidate = self.candidate[at]
@@ -125,7 +126,7 @@ class TwoStep:
         last = min(first + stride * (in_a_slice(self._ahead) + 1), env.ahead_end if stride == 2 else env.count)
         ways.collision.prepare(self._ahead, self._near, stride, env.lengths[1])
         ways.collision.check(self.scores[1], self.scores[2], first, last, free, ways.soft, ways.block)
-        self._move_cost.score(
+        self.move_cost.score(
             self._left, free, ways.soft, scores, first, last, stride, env.af_of(mirroring, candidate), env.ar_of(mirroring, candidate), _TO_A_SIDE
         )
         number = best(scores, first, last, stride)
