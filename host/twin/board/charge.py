@@ -332,9 +332,9 @@ def _view(self, x, y, heading, bx, by, reach):
 
 
 @_wraps(_SORT, "perception.windows:Windows.sort")
-def _sort(self, px, py, n, band=-1000):
+def _sort(self, px, py, n):
     enter()
-    out = _originals[_SORT](self, px, py, n, band)
+    out = _originals[_SORT](self, px, py, n)
     leave(_SORT, n, 0)
     return out
 
