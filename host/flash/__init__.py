@@ -4,6 +4,7 @@ ports     which serial port
 image     the stock MicroPython image, with its hash
 build     firmware/ -> the files of the board
 tools     runs esptool and mpremote, and says what to do when they fail
+chip      what kind of ESP32 it is, and which pins it needs for itself
 rom       the chip's ROM loader: erase, write, read
 board     the board's MicroPython: what is on it, copy, compare
 keep      what survives: robot.json, the network key

@@ -50,7 +50,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--firmware", type=Path, metavar="FILE", help="a MicroPython image of your own (no download)")
     parser.add_argument("--baud", type=int, default=460800, help="rate of the ROM loader (default %(default)s)")
     parser.add_argument("--blank", action="store_true", help="do not save the settings on the board before erasing it")
-    parser.add_argument("--dry-run", action="store_true", help="print the steps, touch nothing")
+    parser.add_argument("--dry-run", action="store_true", help="print the steps, make the checks that need no board, touch nothing")
     return parser
 
 

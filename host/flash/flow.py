@@ -3,10 +3,13 @@
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from host.budget import fit
+
 from . import board, build, hello, image, keep, places, rescue, rom, tools
+from .chip import Chip, check_pins, remarks
 from .errors import FlashError
 
 KEY_FILE = "network.key"  # firmware/lib/link/auth.py
@@ -24,17 +27,30 @@ class Job:
     folder: Path = field(default_factory=lambda: Path(tempfile.mkdtemp(prefix="gapseeker-")))
     image: Path | None = None
     files: list[build.BoardFile] = field(default_factory=list)
+    identity: str = ""  # unique number of the chip, hex
+    chip: Chip = field(default_factory=lambda: Chip("ESP32"))
     settings: bytes | None = None  # robot.json as it was on the board
-    survey: board.Survey | None = None
+    chosen: bytes = b""  # robot.json as it will be there
+    origin: str = ""  # where that comes from, in words
+    found: board.Survey | None = None
+    fits: Callable[[bytes, Path], str] | None = None  # says in words what is left of the board's memory, or raises fit.DoesNotFit; None: fit.check
+
+    @property
+    def survey(self) -> board.Survey:
+        """What was found on the board; a step before has looked."""
+        assert self.found is not None
+        return self.found
 
 
 @dataclass(frozen=True)
 class Step:
-    """One step: `run` does it and returns what came of it, in words; `commands` is what it will call, for --dry-run."""
+    """One step: `run` does it and returns what came of it, in words. For --dry-run: `commands` is what it will call, `check` what can be
+    found out without the board."""
 
     title: str
     run: Callable[[Job], str]
     commands: Callable[[Job], list[list[str]]] = lambda job: []
+    check: Callable[[Job], str] | None = None
 
 
 def run(steps: list[Step], job: Job) -> None:
@@ -45,9 +61,11 @@ def run(steps: list[Step], job: Job) -> None:
 
 
 def rehearse(steps: list[Step], job: Job) -> None:
-    """Say the steps and their commands; touch nothing."""
+    """Say the steps and their commands, and make the checks that need no board; touch nothing. Raises FlashError like `run`."""
     for number, step in enumerate(steps, 1):
-        print(f"[{number}/{len(steps)}] {step.title}")
+        print(f"[{number}/{len(steps)}] {step.title}", flush=True)
+        if step.check:
+            print(f"      {step.check(job)}", flush=True)
         for command in step.commands(job):
             print(f"      {tools.shown(command)}")
 
@@ -57,9 +75,57 @@ def _get_image(job: Job) -> str:
     return str(job.image)
 
 
+def _check_image(job: Job) -> str:
+    if not job.firmware:
+        return f"{image.PINNED.name}, checked by its SHA-256 when it is fetched"
+    job.image = image.given(job.firmware)
+    return f"{job.image} is an image for the ESP32"
+
+
 def _compile(job: Job) -> str:
     job.files = build.build(job.folder, job.sources)
     return f"{len(job.files)} files, {sum(len(file.data) for file in job.files)} bytes"
+
+
+def _look_at_chip(job: Job) -> str:
+    job.identity, job.chip = rom.identify(job.port, job.baud)
+    return f"{job.chip.name}, {job.identity}"
+
+
+def _check_settings(job: Job) -> str:
+    """Decide which robot.json the board gets, refuse it before anything is written if the board cannot run it, and make its tables."""
+    _choose_settings(job)
+    check_pins(job.chip, job.chosen)
+    said = [job.origin, *remarks(job.chip, job.chosen)]
+    if doubts := keep.doubts(job.chosen, (job.sources / build.SETTINGS).read_bytes()):
+        said.append(f"but it {doubts}")
+    said.append(_check_memory(job))
+    if tables := build.put_tables(job.chosen, job.folder):
+        job.files.append(tables)
+    return "; ".join(said)
+
+
+def _choose_settings(job: Job) -> None:
+    """A robot.json on the board stays. Else the one saved before the erase, else the board's latest backup, else the default."""
+    if job.settings is not None:
+        job.chosen, job.origin = job.settings, "the board's own is kept"
+    elif job.identity and (copies := keep.backups(job.identity)):
+        # a flash that was broken off after the erase left the board without settings
+        job.chosen = copies[0].read_bytes()
+        job.origin = f"restored from {copies[0]} (for the default, remove that file and robot.json on the board)"
+    else:
+        job.chosen, job.origin = (job.sources / build.SETTINGS).read_bytes(), "the default"
+
+
+def _check_memory(job: Job) -> str:
+    if job.chip.has_large_heap:
+        return f"MicroPython has {job.chip.heap // 1024} KiB of heap here (PSRAM): everything fits"
+    if job.found is None and job.image and image.uses_psram(job.image):
+        return "the image uses PSRAM: whether there is any shows when it runs"
+    try:
+        return (job.fits or fit.check)(job.chosen, job.sources)
+    except fit.DoesNotFit as error:
+        raise FlashError(str(error), error.remedy) from None
 
 
 def _save_settings(job: Job) -> str:
@@ -72,13 +138,12 @@ def _save_settings(job: Job) -> str:
 
 
 def _rescue_settings(job: Job) -> str:
-    identity = rom.identity(job.port, job.baud)
-    partition = places.backup_dir() / f"files-{identity}-{time.strftime('%Y%m%d-%H%M%S')}.bin"
+    partition = places.backup_dir() / f"files-{job.identity}-{time.strftime('%Y%m%d-%H%M%S')}.bin"
     if not rescue.read_partition(job.port, partition, job.baud):
         return "a new board: there are none"
     job.settings = rescue.extract(partition, build.SETTINGS)
     partition.unlink()
-    return _kept(job.settings, identity)
+    return _kept(job.settings, job.identity)
 
 
 def _back_up(job: Job, found: board.Survey) -> str:
@@ -103,8 +168,13 @@ def _write(job: Job) -> str:
 
 def _wait(job: Job) -> str:
     hello.wait_for_prompt(job.port)
-    job.survey = board.survey(job.port)
-    return "MicroPython {}.{}.{}, {} bytes free".format(*job.survey.micropython, job.survey.free)
+    job.found = board.survey(job.port)
+    said = "MicroPython {}.{}.{}, {} bytes free".format(*job.survey.micropython, job.survey.free)
+    if job.image and image.uses_psram(job.image):  # now it can be told
+        job.chip = replace(job.chip, heap=job.survey.heap)
+        check_pins(job.chip, job.chosen)
+        said += "; " + _check_memory(job)
+    return said
 
 
 def _find(job: Job) -> str:
@@ -112,7 +182,10 @@ def _find(job: Job) -> str:
     if not answers:
         error = hello.diagnose(said, "MicroPython does not answer")
         raise FlashError(error.what, f"{error.remedy}; a board that never had it needs make flash")
-    job.survey = board.survey(job.port)
+    job.found = board.survey(job.port)
+    job.identity, job.chip = job.survey.identity, job.survey.chip
+    if not job.chip.name.startswith("ESP32") or job.chip.name.startswith(("ESP32S", "ESP32C", "ESP32-S2", "ESP32-S3", "ESP32-C")):
+        raise FlashError(f"this board is an {job.chip.name}", tools.OTHER_CHIP)
     saved = _back_up(job, job.survey)
     return "MicroPython {}.{}.{}, {} bytes free; {}: {}".format(*job.survey.micropython, job.survey.free, build.SETTINGS, saved)
 
@@ -120,24 +193,14 @@ def _find(job: Job) -> str:
 def _copy(job: Job) -> str:
     board.check_room(job.files, job.survey)
     changed = [file for file in job.files if job.survey.files.get(file.name) != file.sha256]
-    for command in board.copy_commands(job.port, job.files, job.survey.files):
+    for command in board.clear_commands(job.port, job.files, job.survey) + board.copy_commands(job.port, job.files, job.survey):
         tools.show(command)
     return f"{len(changed)} of {len(job.files)} files had changed"
 
 
 def _put_settings(job: Job) -> str:
-    """A robot.json on the board stays. Else the one saved before the erase, else the board's latest backup, else the default."""
-    default = (job.sources / build.SETTINGS).read_bytes()
-    settings, origin = job.settings, "kept"
-    if settings is None and (copies := keep.backups(job.survey.identity)):
-        # a flash that was broken off after the erase left the board without settings
-        settings = copies[0].read_bytes()
-        origin = f"restored from {copies[0]} (for the default, remove that file and robot.json on the board)"
-    if settings is None:
-        settings, origin = default, "the default"
-    _put(job, build.SETTINGS, settings)
-    doubts = keep.doubts(settings, default)
-    return origin + (f", but it {doubts}" if doubts else "")
+    _put(job, build.SETTINGS, job.chosen)
+    return job.origin
 
 
 def _put_key(job: Job) -> str:
@@ -156,7 +219,7 @@ def _put(job: Job, name: str, data: bytes) -> None:
     path = job.folder / name
     path.write_bytes(data)
     file = build.BoardFile(name, path)
-    for command in board.copy_commands(job.port, [file], job.survey.files):
+    for command in board.copy_commands(job.port, [file], job.survey):
         tools.show(command)
     job.files.append(file)
 
@@ -199,10 +262,15 @@ _SECOND_HALF = [
     Step("restart, wait for the firmware's hello", _start),
 ]
 
+_CHECK = Step("check robot.json: does it fit the board?", _check_settings, check=_check_settings)
+_COMPILE = Step("compile the firmware", _compile, _compile_preview, _compile)
+
 FLASH = [
-    Step("stock MicroPython image", _get_image, _fetch_preview),
-    Step("compile the firmware", _compile, _compile_preview),
+    Step("stock MicroPython image", _get_image, _fetch_preview, _check_image),
+    _COMPILE,
+    Step("look at the chip", _look_at_chip, lambda job: [rom.identify_command(job.port, job.baud)]),
     Step("save the settings on the board (robot.json)", _save_settings, _save_preview),
+    _CHECK,
     Step("erase", _erase, lambda job: [rom.erase_command(job.port, job.baud)]),
     Step("write MicroPython", _write, lambda job: [rom.write_command(job.port, job.firmware or image.PINNED.name, job.baud)]),
     Step("wait for MicroPython", _wait, _survey_preview),
@@ -210,7 +278,8 @@ FLASH = [
 ]
 
 DEPLOY = [
-    Step("compile the firmware", _compile, _compile_preview),
+    _COMPILE,
     Step("look at the board, save its settings", _find, _save_preview),
+    _CHECK,
     *_SECOND_HALF,
 ]

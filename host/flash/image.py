@@ -76,6 +76,11 @@ def given(path: Path) -> Path:
     return path
 
 
+def uses_psram(path: Path) -> bool:
+    """Whether the image is one for modules with PSRAM: its name of the board says so."""
+    return b"with SPIRAM" in path.read_bytes()
+
+
 def _fault(path: Path, image: Image) -> str:
     """What is wrong with the file; empty if nothing is."""
     data = path.read_bytes()

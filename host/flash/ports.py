@@ -8,8 +8,12 @@ from serial.tools import list_ports
 
 from .errors import FlashError
 
-# USB makers found on ESP32 boards: Silicon Labs CP210x, WCH CH340/CH9102, FTDI, Prolific, Espressif's own
-_MAKERS = {0x10C4, 0x1A86, 0x0403, 0x067B, 0x303A}
+# USB chips found on ESP32 boards (vendor, product): Silicon Labs CP210x, WCH CH340, CH343 and CH9102, FTDI, Prolific, Espressif's own
+BRIDGES = {
+    (0x10C4, 0xEA60), (0x10C4, 0xEA70), (0x1A86, 0x7523), (0x1A86, 0x55D3), (0x1A86, 0x55D4), (0x0403, 0x6001), (0x0403, 0x6010), (0x0403, 0x6014),
+    (0x0403, 0x6015), (0x067B, 0x2303), (0x067B, 0x23A3), (0x303A, 0x1001),
+}  # fmt: skip
+_MAKERS = {vendor for vendor, _ in BRIDGES}
 
 
 def candidates() -> list:

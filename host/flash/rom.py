@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from . import tools
+from .chip import Chip
 from .errors import FlashError
 
 IMAGE_AT = 0x1000  # where the ESP32's ROM looks for the bootloader that begins the image
@@ -26,10 +27,18 @@ def read_command(port: str, size: int, target: Path | str, baud: int) -> list[st
     return tools.esptool(port, "read-flash", hex(FILES_AT), hex(size), str(target), baud=baud)
 
 
-def identity(port: str, baud: int) -> str:
-    """The chip's factory MAC address in hex, which is also MicroPython's machine.unique_id()."""
-    said = tools.read(tools.esptool(port, "read-mac", baud=baud))
+def identify_command(port: str, baud: int) -> list[str]:
+    """esptool names the chip and what it has before it does anything else."""
+    return tools.esptool(port, "read-mac", baud=baud)
+
+
+def identify(port: str, baud: int) -> tuple[str, Chip]:
+    """(the chip's factory MAC address in hex, which is also MicroPython's machine.unique_id(), the chip)."""
+    said = tools.read(identify_command(port, baud))
     found = re.search(r"MAC:\s*((?:[0-9a-f]{2}:){5}[0-9a-f]{2})", said)
     if not found:
         raise FlashError(f"esptool named no MAC address:\n{said}", "hold the BOOT button while it connects; try another cable")
-    return found[1].replace(":", "")
+    name = re.search(r"Chip type:\s*(\S+)", said)
+    features = re.search(r"Features:(.*)", said)
+    chip = Chip(name[1] if name else "ESP32", "Vref calibration" in features[1] if features else None)
+    return found[1].replace(":", ""), chip

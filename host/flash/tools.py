@@ -7,6 +7,11 @@ import threading
 
 from .errors import FlashError
 
+OTHER_CHIP = (
+    "this robot needs a plain ESP32 (WROOM-32): the image is the ESP32's, S2 and C3 have one processor core and no such UART pins, and the compiled "
+    "firmware does not run on a C3 at all; check which board is on this port, or name another: PORT=..."
+)
+
 # (what a tool prints, what to do): the first that matches wins
 _REMEDIES = [
     (
@@ -15,7 +20,7 @@ _REMEDIES = [
     ),
     (
         r"[Ww]rong chip argument|chip is .*not ESP32\b|Unexpected chip ID|invalid for this chip",
-        "this robot needs a plain ESP32 (WROOM-32); check which board is on this port, or name another: PORT=...",
+        OTHER_CHIP,
     ),
     (
         r"busy|in use by another program|[Cc]ould not exclusively lock",

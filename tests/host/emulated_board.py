@@ -15,7 +15,7 @@ import threading
 import tty
 from pathlib import Path
 
-from emulated_rom import ESP32_MAGIC, MAC, Flash, Loader
+from emulated_rom import ESP32_MAGIC, MAC, Flash, Loader, fuses
 
 _WINDOW = 128  # bytes of raw paste the board takes before it grants more
 _RESET = 42  # exit status that stands for machine.reset()
@@ -40,13 +40,35 @@ class Partition:
         return {4: self.size // 4096, 5: 4096}.get(request, 0)
 
 class Machine:
+    mem32 = {0x3FF5A00C: int(sys.argv[4])}
     def unique_id(self):
         return bytes.fromhex(sys.argv[3])
     def reset(self):
         sys.exit(RESET)
 
+class Implementation:
+    name, version, _machine = 'micropython', (1, 24, 0, ''), sys.argv[5]
+    def __getitem__(self, item):
+        return self.version
+
+class Sys:
+    implementation = Implementation()
+
+class Gc:
+    def collect(self):
+        pass
+    def mem_alloc(self):
+        return 20000
+    def mem_free(self):
+        return int(sys.argv[6]) - 20000
+
+for name in dir(sys):
+    if not hasattr(Sys, name):
+        setattr(Sys, name, getattr(sys, name))
 partition = Partition(sys.argv[1], 0x200000, int(sys.argv[2]))
 sys.modules['machine'] = Machine()
+sys.modules['gc'] = Gc()
+sys.modules['sys'] = Sys
 vfs.umount('/')
 try:
     vfs.mount(partition, '/')
@@ -73,13 +95,15 @@ class EmulatedBoard:
     """A board; `port` is the name of its serial port. A context manager.
 
     hello: what the firmware says at its start. file_space: bytes of the file system (a small one fills up).
-    magic, spoil: see `emulated_rom.Loader`. deaf: MicroPython never answers, as when a program does not let go of the prompt.
+    magic, spoil, package: see `emulated_rom.Loader`. name: what MicroPython calls the board; heap: bytes that it has. deaf: MicroPython never answers, as when a program does not let go of the prompt.
     """
 
-    def __init__(self, folder: Path, hello: bytes = b"", file_space: int = 0x200000, magic: int = ESP32_MAGIC, spoil: bool = False, deaf: bool = False):
+    def __init__(self, folder: Path, hello: bytes = b"", file_space: int = 0x200000, magic: int = ESP32_MAGIC, spoil: bool = False, deaf: bool = False,
+                 package: int = 0, name: str = "Generic ESP32 module with ESP32", heap: int = 167_000):  # fmt: skip
         self.flash = Flash(folder / "flash.bin")
-        self.loader = Loader(self.flash, self._send, magic, spoil)
+        self.loader = Loader(self.flash, self._send, magic, spoil, package)
         self.hello, self.file_space, self.deaf = hello, file_space, deaf
+        self._board = [str(fuses(package)), name, str(heap)]
         self.power_cycles = 0
         self._driver = folder / "driver.py"
         self._driver.write_text(_DRIVER.replace("RESET", str(_RESET)))
@@ -241,7 +265,7 @@ class EmulatedBoard:
         """Run code; yields the output as it comes: text, 04, error, 04."""
         if self._python is None:
             interpreter = Path(sys.executable).with_name("micropython")
-            command = [str(interpreter), "-X", "heapsize=160k", str(self._driver), str(self.flash.path), str(self.file_space), MAC.hex()]
+            command = [str(interpreter), "-X", "heapsize=160k", str(self._driver), str(self.flash.path), str(self.file_space), MAC.hex(), *self._board]
             self._python = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         self._python.stdin.write(struct.pack("<I", len(code)) + code)
         self._python.stdin.flush()

@@ -26,6 +26,11 @@ def efuse_mac() -> dict[int, int]:
     return {_EFUSE + 4: int.from_bytes(MAC[2:], "big"), _EFUSE + 8: int.from_bytes(MAC[:2], "big")}
 
 
+def fuses(package: int) -> int:
+    """eFuse word 3, in which the package number sits."""
+    return (package & 7) << 9 | package >> 3 << 2
+
+
 class Flash:
     """4 MiB of NOR flash in a file, so that a MicroPython beside this process can mount its part of it."""
 
@@ -51,13 +56,14 @@ class Flash:
 class Loader:
     """Takes the bytes esptool sends, through `receive`; answers through `send`.
 
-    `spoil` makes every write store a wrong byte; `magic` is the number by which esptool knows the chip.
+    `spoil` makes every write store a wrong byte; `magic` is the number by which esptool knows the chip, `package` the number in its eFuses that
+    tells what else is in the housing.
     """
 
-    def __init__(self, flash: Flash, send, magic: int = ESP32_MAGIC, spoil: bool = False):
+    def __init__(self, flash: Flash, send, magic: int = ESP32_MAGIC, spoil: bool = False, package: int = 0):
         self.flash, self.spoil = flash, spoil
         self._send = send
-        self._registers = {0x40001000: magic, 0x3FF40014: 347, _SPI_W0: _FLASH_ID, **efuse_mac()}
+        self._registers = {0x40001000: magic, 0x3FF40014: 347, _SPI_W0: _FLASH_ID, _EFUSE + 12: fuses(package), **efuse_mac()}
         self._partial = b""
         self._stub = False
         self._reading: list[bytes] = []

@@ -16,6 +16,7 @@ import serial
 from emulated_board import EmulatedBoard
 from emulated_rom import ESP32_S2_MAGIC, MAC
 
+from host.budget import fit
 from host.flash import __main__ as command_line
 from host.flash import board, build, flow, hello, image, keep, places, ports, rescue, rom, tools
 from host.flash.errors import FlashError
@@ -79,7 +80,8 @@ def perform(sources, firmware, capfd):
     """Runs steps against a board; returns what was printed."""
 
     def perform(steps, emulated, **options):
-        job = flow.Job(emulated.port, firmware, sources=sources, **options)
+        options.setdefault("fits", lambda settings, sources: "it fits")
+        job = flow.Job(emulated.port, options.pop("firmware", firmware), sources=sources, **options)
         flow.run(steps, job)
         return capfd.readouterr().out
 
@@ -141,7 +143,7 @@ def test_settings_are_rescued_from_a_board_that_does_not_answer(connect, perform
     emulated = connect(deaf=True)
     emulated.install()
     emulated.put({"robot.json": MINE, "lib/other.py": b"x = 1" * 900})
-    steps = [step for step in flow.FLASH if step.title.startswith(("stock", "save", "erase"))]
+    steps = [step for step in flow.FLASH if step.title.startswith(("stock", "look", "save", "erase"))]
     perform(steps, emulated)
     assert set(emulated.flash.read(0x200000, 4096)) == {0xFF}
     assert [path.read_bytes() for path in keep.backups(IDENTITY)] == [MINE]
@@ -152,7 +154,7 @@ def test_settings_survive_a_flash_broken_off_after_the_erase(connect, perform):
     emulated = connect()
     emulated.install()
     emulated.put({"robot.json": MINE})
-    perform([step for step in flow.FLASH if step.title.startswith(("stock", "save", "erase"))], emulated)
+    perform([step for step in flow.FLASH if step.title.startswith(("stock", "look", "save", "erase"))], emulated)
     printed = perform(flow.FLASH, emulated)
     assert emulated.get("robot.json") == MINE
     assert "restored from" in printed
@@ -161,10 +163,10 @@ def test_settings_survive_a_flash_broken_off_after_the_erase(connect, perform):
 def test_deploy_copies_only_what_changed(connect, perform, sources):
     emulated = connect()
     perform(flow.FLASH, emulated)
-    assert "0 of 3 files had changed" in perform(flow.DEPLOY, emulated)
+    assert "0 of 4 files had changed" in perform(flow.DEPLOY, emulated)
     (sources / "lib" / "names.py").write_text("NAMES = ()\n")
     printed = perform(flow.DEPLOY, emulated)
-    assert "1 of 3 files had changed" in printed
+    assert "1 of 4 files had changed" in printed
     assert "cp" in printed and "wheels.mpy" not in printed
     assert printed.rstrip().endswith("firmware 0.1.0 says hello")
 
@@ -185,6 +187,107 @@ def test_deploy_removes_a_source_that_would_hide_the_compiled_module(connect, pe
     perform(flow.DEPLOY, emulated)
     assert emulated.get("lib/wheels.py") is None
     assert emulated.get("lib/wheels.mpy")
+
+
+def test_folders_are_made_and_what_an_older_firmware_left_goes(connect, perform, sources):
+    (sources / "lib" / "planner").mkdir()
+    (sources / "lib" / "planner" / "queue.py").write_text("SIZE = 4\n")
+    emulated = connect()
+    emulated.install()
+    mine = {"lib/sensor.mpy": b"mine", "lib/planner/notes.txt": b"mine"}
+    emulated.put({"lib/field.mpy": b"old", "lib/lidar.mpy": b"old", "lib/planner/gone.mpy": b"old", **mine})
+    perform(flow.DEPLOY, emulated)
+    assert emulated.get("lib/planner/queue.mpy")
+    assert [emulated.get(name) for name in ("lib/field.mpy", "lib/lidar.mpy", "lib/planner/gone.mpy")] == [None] * 3
+    assert {name: emulated.get(name) for name in mine} == mine
+
+
+def test_an_emptied_folder_goes_too(sources, tmp_path, monkeypatch):
+    monkeypatch.setattr(board, "_OLD_PACKAGES", frozenset({"nose"}))
+    files = build.build(tmp_path / "out", sources)
+    found = {"lib/nose/tip.mpy": "0", "lib/wheels.mpy": "0"}
+    survey = board.Survey("00", (1, 24, 0), 1 << 20, found, ["lib", "lib/nose"], "Generic ESP32 module with ESP32", 0, 167_000)
+    (command,) = board.clear_commands("PORT", files, survey)
+    assert command[-7:] == ["fs", "rm", ":lib/nose/tip.mpy", "+", "fs", "rmdir", ":lib/nose"]
+
+
+def test_the_tables_are_made_for_the_boards_own_robot_json(connect, perform):
+    emulated = connect()
+    perform(flow.FLASH, emulated)
+    first = emulated.get("tables.bin")
+    assert first
+    emulated.put({"robot.json": MINE})
+    perform(flow.DEPLOY, emulated)
+    assert emulated.get("tables.bin") not in (first, None)
+
+
+# --- what does not fit is refused before anything is written
+
+
+def refuse(settings, sources):
+    raise fit.DoesNotFit("no room for 2393 bytes of machine code of lidar", "switch the screen off")
+
+
+@pytest.mark.parametrize("steps", ("FLASH", "DEPLOY"))
+def test_options_that_do_not_fit_are_refused(connect, perform, steps):
+    emulated = connect()
+    emulated.install()
+    emulated.put({"robot.json": MINE, "main.py": b"old"})
+    with pytest.raises(FlashError, match="2393 bytes.*\n.*switch the screen off"):
+        perform(getattr(flow, steps), emulated, fits=refuse)
+    assert 0xD0 not in emulated.loader.commands and emulated.get("main.py") == b"old"
+
+
+def test_nothing_is_refused_where_the_heap_is_large(connect, perform):
+    emulated = connect(heap=4 << 20)
+    emulated.install()
+    assert "PSRAM" in perform(flow.DEPLOY, emulated, fits=refuse)
+
+
+def test_an_image_for_psram_is_judged_when_it_runs(connect, perform, tmp_path):
+    psram = tmp_path / "psram.bin"
+    psram.write_bytes(IMAGE + b"Generic ESP32 module with SPIRAM with ESP32")
+    without = connect()
+    with pytest.raises(FlashError, match="switch the screen off"):
+        perform(flow.FLASH, without, firmware=psram, fits=refuse)
+    assert without.get("main.py") is None
+
+
+def test_an_image_for_psram_where_there_is_some(connect, perform, tmp_path, sources):
+    psram = tmp_path / "psram.bin"
+    psram.write_bytes(IMAGE + b"Generic ESP32 module with SPIRAM with ESP32")
+    (sources / "robot.json").write_text('{"lidar": {"rx": 34}}')
+    assert "everything fits" in perform(flow.FLASH, connect(heap=4 << 20), firmware=psram, fits=refuse)
+
+
+@pytest.mark.parametrize(
+    "package, settings, told",
+    [
+        (5, DEFAULT, ""),
+        (5, b'{"lidar": {"rx": 16}}', "ESP32-PICO-D4 needs GPIO 16 and 17 for its flash memory, and robot.json has lidar.rx = 16"),
+        (7, b'{"lidar": {"rx": 34}, "screen": {"kind": "nextion", "tx": 17, "rx": 35}}', "ESP32-D0WDR2-V3 needs .* its PSRAM, .* screen.tx = 17"),
+        (7, b'{"lidar": {"rx": 34}, "screen": {"kind": "none", "tx": 17, "rx": 35}}', ""),
+        (1, b'{"lidar": {"rx": 16}}', ""),
+    ],
+)
+@pytest.mark.parametrize("steps", ("FLASH", "DEPLOY"))
+def test_pins_that_the_chip_needs_for_itself(connect, perform, steps, package, settings, told):
+    emulated = connect(package=package)
+    emulated.install()
+    emulated.put({"robot.json": settings})
+    if told:
+        with pytest.raises(FlashError, match=told):
+            perform(getattr(flow, steps), emulated)
+        assert emulated.get("main.py") is None and 0xD0 not in emulated.loader.commands
+    else:
+        perform(getattr(flow, steps), emulated)
+
+
+def test_deploy_to_another_chip(connect, perform):
+    emulated = connect(name="Generic ESP32S3 module with ESP32S3")
+    emulated.install()
+    with pytest.raises(FlashError, match="ESP32S3\n.*plain ESP32"):
+        perform(flow.DEPLOY, emulated)
 
 
 # --- the key
@@ -442,7 +545,8 @@ def test_a_damaged_file_system_is_kept_and_named(tmp_path):
 # --- the command line
 
 
-def test_dry_run_touches_nothing(home, capsys):
+def test_dry_run_touches_nothing(home, capsys, monkeypatch):
+    monkeypatch.setattr(flow.fit, "check", lambda settings, sources: "it fits")
     before = sorted(home.rglob("*"))
     assert command_line.main(["--dry-run", "--port", "/dev/ttyUSB0"]) == 0
     printed = capsys.readouterr().out
@@ -451,6 +555,16 @@ def test_dry_run_touches_nothing(home, capsys):
     assert command_line.main(["--dry-run", "--deploy"]) == 0
     assert "erase-flash" not in capsys.readouterr().out
     assert sorted(home.rglob("*")) == before
+
+
+def test_dry_run_makes_the_same_checks(tmp_path, capsys, monkeypatch):
+    other = tmp_path / "text.bin"
+    other.write_text("no image at all, but a text")
+    assert command_line.main(["--dry-run", "--firmware", str(other)]) == 1
+    assert "no ESP32 image" in capsys.readouterr().err
+    monkeypatch.setattr(flow.fit, "check", refuse)
+    assert command_line.main(["--dry-run"]) == 1
+    assert "switch the screen off" in capsys.readouterr().err
 
 
 def test_a_failure_is_told_with_its_remedy(capsys):
