@@ -162,6 +162,7 @@ def _erase(job: Job) -> str:
 
 
 def _write(job: Job) -> str:
+    assert job.image
     tools.show(rom.write_command(job.port, job.image, job.baud))
     return "done"
 

@@ -63,7 +63,7 @@ def doubts(settings: bytes, default: bytes) -> str:
 
 def _keys(settings: dict, prefix: str = "") -> set[str]:
     """Every key with those above it: {"avoid": {"margin": 12}} -> {"avoid.margin"}."""
-    found = set()
+    found: set[str] = set()
     for key, value in settings.items():
         found |= _keys(value, f"{prefix}{key}.") if isinstance(value, dict) else {prefix + key}
     return found
