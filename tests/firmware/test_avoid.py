@@ -21,8 +21,11 @@ def _walls(*walls):
     return found
 
 
-def _until(points, over, why=reasons.WAITING, config=_config):
-    """The Avoid of a robot that stands, worked on until over(avoid, whether it has decided). why: what it decided before."""
+def _until(points, over, why=reasons.WAITING, config=_config, slice_us=1000):
+    """The Avoid of a robot that stands, worked on until over(avoid, whether it has decided).
+
+    why: what it decided before; slice_us: time from slice to slice.
+    """
     avoid = Avoid(config)
     memory = avoid.map
     for k, (x, y) in enumerate(points):
@@ -34,6 +37,7 @@ def _until(points, over, why=reasons.WAITING, config=_config):
     odometry = Still()
     slices = 0
     while not over(avoid, avoid.step(odometry)):
+        odometry.now_us += slice_us
         slices += 1
         assert slices < 200
     return avoid
@@ -48,6 +52,11 @@ def test_a_free_corridor_is_driven_straight():
     avoid = _decision(_walls((-350, -800, -350, 1000), (350, -800, 350, 1000)))
     assert (avoid.af, avoid.ar) == (0, 0) and avoid.v > 100 and avoid.why == reasons.ON
     assert avoid.free == _config.windows_look_ahead
+
+
+def test_a_slow_chip_decides_as_well():
+    avoid = _until(_walls((-350, -800, -350, 1000), (350, -800, 350, 1000)), lambda avoid, decided: decided, slice_us=100_000)
+    assert avoid.why == reasons.ON
 
 
 _OPEN_ON_THE_RIGHT = ((-250, -800, -250, 460), (-250, 460, 900, 460), (250, -800, 250, -80), (250, -80, 900, -80))
