@@ -58,7 +58,7 @@ class TwinLink(Link):
 
     def __init__(self, address: str, course: str, options: dict):
         super().__init__(address)
-        from host.twin.simulation import LIMIT_US, Observer
+        from host.twin.simulation import LIMIT_US
 
         arguments = arguments_of(course, options)
         self._outgoing: list[bytes] = []
@@ -68,7 +68,7 @@ class TwinLink(Link):
         self._limit = LIMIT_US
         self._held = False  # a person drives it, or has stopped it
         self._looked = 0.0
-        watch = _make_watch(Observer, self)
+        watch = _observer(self._receive, self._outgo, self._look)
         self._thread = threading.Thread(target=self._run, args=(arguments, watch), daemon=True)
         self._thread.start()
         self.greet()
@@ -124,17 +124,18 @@ class TwinLink(Link):
             })  # fmt: skip
 
 
-def _make_watch(base, link: TwinLink):
-    class LinkWatch(base):
-        """Passes bytes on, both ways."""
+def _observer(receive, outgo, look):
+    """An Observer of the twin that passes bytes on, both ways. receive(bytes), outgo() -> bytes, look(simulation)."""
+    from host.twin import Observer
 
+    class Passing(Observer):
         def serial(self, data):
-            link._receive(data)
+            receive(data)
 
         def commands(self):
-            return link._outgo()
+            return outgo()
 
         def step(self, simulation):
-            link._look(simulation)
+            look(simulation)
 
-    return LinkWatch()
+    return Passing()

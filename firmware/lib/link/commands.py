@@ -24,7 +24,7 @@ _REFUSED = const(1)
 
 
 class Commands:
-    """Takes commands in and holds what they ask for.
+    """Takes commands in and holds what they ask for. The Link adds rare(now_us), the module requests.py, and watch(flags), those of WATCH.
 
     config: the Config that is tuned; session: the random bytes of this boot; signer: auth.Signer of the network key, or None, in which case no signed
     command is ever accepted.
@@ -63,14 +63,6 @@ class Commands:
     def drive_itself(self):
         """Drive on its own, as after the command."""
         self.state = AUTO
-
-    def rare(self, now_us):
-        """The module requests.py, loaded if need be."""
-        raise NotImplementedError
-
-    def watch(self, flags):
-        """Tell what the flags of WATCH ask for."""
-        raise NotImplementedError
 
     def obey(self, line, now_us, robot):
         """Carry out the command that a carrier has just taken; True when it is one and genuine. Its reply waits then."""
@@ -113,9 +105,8 @@ class Commands:
     def _carry_out(self, kind, payload, now_us, robot):
         """Returns the text of the reply."""
         if kind == _DRIVE:
-            if len(payload) < 10:
-                raise ValueError("%d bytes are too few" % len(payload))
-            self._drive(now_us, *struct.unpack_from("<BhhB", payload, 4))
+            if len(payload) < 10 or not self._drive(now_us, *struct.unpack_from("<BhhB", payload, 4)):
+                self.rare(now_us).refuse_to_drive(payload)
         elif kind == _WATCH:
             self.watch(payload[4] if len(payload) > 4 else 0)
         elif kind == _LIST:
@@ -127,21 +118,20 @@ class Commands:
         return ""
 
     def _drive(self, now_us, what, af, ar, v):
+        """False if it cannot be."""
         if what == STOPPED:
             self.stop()
         elif what == AUTO:
             self.state = what
-        elif what == MANUAL:
-            if not (-900 <= af <= 900 and -900 <= ar <= 900 and v <= 180):
-                raise ValueError("AF %d, AR %d (0.1 deg, up to 900 either way), V %d (0 to 180)" % (af, ar, v))
+        elif what == MANUAL and -900 <= af <= 900 and -900 <= ar <= 900 and v <= 180:
             silence = _SILENCE_US + 1 if self._heard_us is None else ticks_diff(now_us, self._heard_us)
             self._heard_us = now_us
             if self.state == STOPPED and silence <= _SILENCE_US:
-                # Stopped by somebody else, or by its button, under a hand that has not noticed yet.
-                raise ValueError("stopped: let go for a moment, then drive on")
+                return False  # stopped by somebody else, or by its button, under a hand that has not noticed yet
             self.state = what
             self.af = af
             self.ar = ar
             self.v = v
         else:
-            raise ValueError("drive %d: 0 stop, 1 auto, 2 manual" % what)
+            return False
+        return True

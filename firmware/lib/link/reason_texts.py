@@ -1,4 +1,4 @@
-"""What reasons.py and health.py number, in words. Needed once, at the start: the link keeps them as JSON, a screen as bytes."""
+"""What reasons.py and health.py number, in words. Loaded when somebody asks for the names, and where there is a screen."""
 
 import json
 
