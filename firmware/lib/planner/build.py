@@ -43,28 +43,28 @@ def build(self, config):
     decision.scores = scores
     decision.cost_to_go = cost_to_go
     decision.move_cost = move_cost
-    decision._config = config
+    decision.config = config
     decision.map = points
-    decision._candidates = candidates
+    decision.candidates = candidates
     decision.ways = ways
     decision.two_step = two_step
     decision.plan = plan
-    decision._backward = _BACKWARD if config.mode == "AWS" else _BACKWARD_NAWS
-    decision._decided = False
-    decision._here = 0  # cost to go where the decision began
-    decision._side = 0  # the mirroring that is being looked through
-    decision._next = 0  # the candidate at which the next slice goes on
-    decision._least = NOTHING  # score of the best single move known
-    decision._renewing = False
-    decision._made_at = array("i", (0, 0, 0))  # where the cost to go was begun, and when
-    decision._made_us = 0
-    decision._late = False  # whether making it took long, and it has not served yet
-    decision._travel = 0  # where and when the last single move was chosen
-    decision._chosen_us = 0
-    decision._frames_first = config.lidar_frames * 5 // 4  # a revolution and a little: before, the map has gaps
-    decision._followed = -1  # frame on which the plan was looked at last
-    decision._anchor = array("i", (0, 0, 0))  # where the robot got anywhere last, and how often it has backed up since
-    decision._reversals = 0
+    decision.backward = _BACKWARD if config.mode == "AWS" else _BACKWARD_NAWS
+    decision.decided = False
+    decision.here = 0  # cost to go where the decision began
+    decision.side = 0  # the mirroring that is being looked through
+    decision.next = 0  # the candidate at which the next slice goes on
+    decision.least = NOTHING  # score of the best single move known
+    decision.renewing = False
+    decision.made_at = array("i", (0, 0, 0))  # where the cost to go was begun, and when
+    decision.made_us = 0
+    decision.late = False  # whether making it took long, and it has not served yet
+    decision.travel = 0  # where and when the last single move was chosen
+    decision.chosen_us = 0
+    decision.frames_first = config.lidar_frames * 5 // 4  # a revolution and a little: before, the map has gaps
+    decision.followed = -1  # frame on which the plan was looked at last
+    decision.anchor = array("i", (0, 0, 0))  # where the robot got anywhere last, and how often it has backed up since
+    decision.reversals = 0
 
     self.points_x = ways.x
     self.points_y = ways.y
@@ -87,7 +87,7 @@ def _free_ways(points, windows, candidates):
     ways = FreeWays()
     ways.map = points
     ways.windows = windows
-    ways._candidates = candidates
+    ways.candidates = candidates
     ways.collision = CollisionCheck(candidates)
     ways.swing = candidates.half_width + candidates.soft + candidates.half_length // 2  # of the tail, see drop_behind()
     ways.x = _words(_POINTS)
@@ -103,15 +103,15 @@ def _free_ways(points, windows, candidates):
 
 def _two_step(candidates, move_cost, ways, scores):
     two_step = TwoStep()
-    two_step._candidates = candidates
+    two_step.candidates = candidates
     two_step.move_cost = move_cost
     two_step.ways = ways
     two_step.scores = scores
     two_step.mirroring = bytearray(MOST)
     two_step.candidate = bytearray(MOST)
     two_step.length = _words(MOST)
-    two_step._score = array("i", bytes(4 * MOST))
-    two_step._n = two_step._near = two_step._ahead = 0  # points as seen from the end of a first move: all, near ones, those not behind
+    two_step.costs = array("i", bytes(4 * MOST))
+    two_step.n = two_step.near = two_step.ahead = 0  # points as seen from the end of a first move: all, near ones, those not behind
     two_step.second_mirroring = two_step.second_candidate = two_step.second_length = 0
     two_step.begin()
     return two_step
@@ -119,9 +119,9 @@ def _two_step(candidates, move_cost, ways, scores):
 
 def _plan(candidates, ways, two_step):
     plan = Plan()
-    plan._candidates = candidates
+    plan.candidates = candidates
     plan.ways = ways
     plan.two_step = two_step
-    plan.mirroring = plan.candidate = plan.af = plan.ar = plan.free = plan._until = 0
+    plan.mirroring = plan.candidate = plan.af = plan.ar = plan.free = plan.until = 0
     plan.stand(reasons.WAITING)
     return plan

@@ -53,9 +53,9 @@ class Decision:
 
     def step(self, odometry):
         """One slice of the stage that is due. True when the plan holds a new decision."""
-        self._decided = False
+        self.decided = False
         self.stage = self.STAGES[self.stage](self, odometry)
-        return self._decided
+        return self.decided
 
     def _make_cost_to_go(self, odometry):
         return COST_TO_GO if self._renew(odometry) else REST
@@ -66,86 +66,86 @@ class Decision:
         ways = self.ways
         if self._resting(odometry):
             # A plan near its end: the next decision will want a cost to go that fits.
-            if plan.moves and plan.left(odometry) < self._candidates.look_ahead >> 2 and (self._renewing or not self._fits(odometry, _FRESH, _FRESH_US)):
+            if plan.moves and plan.left(odometry) < self.candidates.look_ahead >> 2 and (self.renewing or not self._fits(odometry, _FRESH, _FRESH_US)):
                 self._renew(odometry)
             return REST
         single = plan.why in _SINGLE
         if not plan.moves:
             fits = self._fits(odometry, _FIT, _FIT_US) if single else self._fits(odometry, _FRESH, _FRESH_US)
-            if self._renewing or not fits or ways.frames < self._frames_first:
-                if self._late and plan.v != 90:
+            if self.renewing or not fits or ways.frames < self.frames_first:
+                if self.late and plan.v != 90:
                     # Driven on too far while it was made: the next one is made standing.
                     plan.stand(reasons.LOOKING)
-                    self._decided = True
+                    self.decided = True
                 return COST_TO_GO
         if ways.seen != ways.frames:
             ways.see(odometry)
             if plan.moves:
                 plan.look()
         if plan.moves:
-            self._followed = ways.frames
-            self._decided = plan.follow(odometry)
+            self.followed = ways.frames
+            self.decided = plan.follow(odometry)
             return REST
-        self._late = False
-        self._here = self.move_cost.stand(odometry)
+        self.late = False
+        self.here = self.move_cost.stand(odometry)
         for scores in self.scores:
-            clear(scores, LENGTHS * self._candidates.count)
-        self._next = 0
-        self._least = NOTHING
+            clear(scores, LENGTHS * self.candidates.count)
+        self.next = 0
+        self.least = NOTHING
         # Where two moves were needed last, all candidates are likely to be. Else the side taken last comes first: it sets the measure for the other.
-        self._side = plan.mirroring & 1 if single else 0
+        self.side = plan.mirroring & 1 if single else 0
         return _BOUND if single else _CHECK_ALL
 
     def _bound(self, odometry):
         """Lower bounds of the moves ahead to one side."""
-        side = self._side
+        side = self.side
         plan = self.plan
-        self._next = self.move_cost.lower_bound(side, self.ways.free_of[side], self.scores[side], self._next, plan.af, plan.ar)
-        if self._next < self._candidates.count:
+        self.next = self.move_cost.lower_bound(side, self.ways.free_of[side], self.scores[side], self.next, plan.af, plan.ar)
+        if self.next < self.candidates.count:
             return _BOUND
-        self._next = 0
+        self.next = 0
         return _CHECK_BEST
 
     def _check_best(self, odometry):
         """Check the candidates ahead to one side best first, until the best of them is known."""
-        side = self._side
+        side = self.side
         scores = self.scores[side]
         ways = self.ways
         ways.mirror(side)
-        number = self.move_cost.best_first(ways, ways.free_of[side], scores, self._least)
+        number = self.move_cost.best_first(ways, ways.free_of[side], scores, self.least)
         ways.mirror(side)
         if number < 0:
             return _CHECK_BEST
         if number != NOTHING:
-            self._least = scores[number]
+            self.least = scores[number]
         if side == self.plan.mirroring & 1:
-            self._side = side ^ 1
+            self.side = side ^ 1
             return _BOUND
-        self._side = 0
+        self.side = 0
         return CHOOSE
 
     def _choose(self, odometry):
         """Take the best single move if it gets on well."""
         plan = self.plan
         if self._choose_one():
-            self._travel = odometry.travel256
-            self._chosen_us = odometry.now_us
+            self.travel = odometry.travel256
+            self.chosen_us = odometry.now_us
             plan.look()
-            self._decided = True
+            self.decided = True
             return REST
         # This takes longer. With little way left the robot stands meanwhile.
-        if plan.v != 90 and plan.free < self._candidates.lengths[2]:
+        if plan.v != 90 and plan.free < self.candidates.lengths[2]:
             plan.stand(reasons.LOOKING)
-            self._decided = True
+            self.decided = True
         # A cost to go made while the robot stands is fresh however long this takes, or the same would begin again and again.
         return _CHECK_ALL if self._fits(odometry, _FRESH, _NO_AGE) else COST_TO_GO
 
     def _check_all(self, odometry):
         """Check and score all candidates, mirroring by mirroring: those ahead, then, if none of them gets on well, the others."""
-        side = self._side
+        side = self.side
         if not self.check_some(side):
             return _CHECK_ALL
-        self._side = side = side + 1
+        self.side = side = side + 1
         if side == 2:
             return CHOOSE
         if side < 4:
@@ -168,8 +168,8 @@ class Decision:
         """Drive the best pair of moves, or the least bad single one, or stand."""
         plan = self.plan
         first = self.two_step
-        self._decided = True
-        if self._reversals >= _PATIENCE and self._escape(odometry):
+        self.decided = True
+        if self.reversals >= _PATIENCE and self._escape(odometry):
             pass
         elif first.count:
             at = first.chosen  # the best single one, where no pair was found
@@ -204,41 +204,41 @@ class Decision:
         """
         plan = self.plan
         if plan.moves:
-            return self._followed == self.ways.frames and not plan.arrived(odometry)
+            return self.followed == self.ways.frames and not plan.arrived(odometry)
         if plan.v == 90:
             return False
-        rolled = (odometry.travel256 - self._travel) & 0x3FFFFFF
-        return rolled < self._candidates.look_ahead * 5 and ticks_diff(odometry.now_us, self._chosen_us) < _CHOSEN_US
+        rolled = (odometry.travel256 - self.travel) & 0x3FFFFFF
+        return rolled < self.candidates.look_ahead * 5 and ticks_diff(odometry.now_us, self.chosen_us) < _CHOSEN_US
 
     def _renew(self, odometry):
         """One slice of the next cost to go; False after the last. It cannot be asked before."""
-        if not self._renewing:
-            mark(self._made_at, odometry)
-            self._made_us = odometry.now_us
-        self._renewing = not self.cost_to_go.step(odometry, self.map)
-        if not self._renewing:
-            self._late = ticks_diff(odometry.now_us, self._made_us) > _FRESH_US
-        return self._renewing
+        if not self.renewing:
+            mark(self.made_at, odometry)
+            self.made_us = odometry.now_us
+        self.renewing = not self.cost_to_go.step(odometry, self.map)
+        if not self.renewing:
+            self.late = ticks_diff(odometry.now_us, self.made_us) > _FRESH_US
+        return self.renewing
 
     def _fits(self, odometry, part, age_us):
         """Whether the cost to go still fits: the robot has not moved by look-ahead / part since it was begun, hardly turned, and it is not older.
 
         One that took long to make serves once, however old, if the robot has not gone much farther: it would else be begun again and again.
         """
-        near = self._candidates.look_ahead // part
+        near = self.candidates.look_ahead // part
         turned = _TURNED
-        if self._late:
+        if self.late:
             age_us = _NO_AGE
-            near = max(near, self._candidates.look_ahead // _LATE)
+            near = max(near, self.candidates.look_ahead // _LATE)
             turned = _LATE_TURNED
-        return self.cost_to_go.ready and not away(self._made_at, odometry, near, turned) and ticks_diff(odometry.now_us, self._made_us) < age_us
+        return self.cost_to_go.ready and not away(self.made_at, odometry, near, turned) and ticks_diff(odometry.now_us, self.made_us) < age_us
 
     def check_some(self, mirroring):
         """Check and score the next candidates of one mirroring, as many as a slice allows. True when all are done."""
-        env = self._candidates
+        env = self.candidates
         ways = self.ways
         plan = self.plan
-        first = self._next
+        first = self.next
         count = env.count
         if mirroring & 2:
             if first < env.astern_first:
@@ -251,14 +251,14 @@ class Decision:
         ways.check(mirroring, first, last, env.lengths[0])
         self.move_cost.score(
             mirroring, ways.free_of[mirroring], ways.soft, self.scores[mirroring], first, last, 1, plan.af, plan.ar,
-            self._backward if mirroring & 2 else 0,
+            self.backward if mirroring & 2 else 0,
         )  # fmt: skip
-        self._next = last if last < env.count else 0
-        return not self._next
+        self.next = last if last < env.count else 0
+        return not self.next
 
     def _choose_one(self):
         """Take the best single move ahead. False if it does not get on well."""
-        env = self._candidates
+        env = self.candidates
         plan = self.plan
         value = NOTHING
         number = mirroring = 0
@@ -273,8 +273,8 @@ class Decision:
         # It may fall short of what the cost to go says, but one that just drives away from the way out falls short by twice its length.
         if (
             value == NOTHING
-            or value > self._here + min(env.lengths[1], env.lengths[number % LENGTHS])
-            or self.ways.free_of[mirroring][k] < self._config.avoid_accept
+            or value > self.here + min(env.lengths[1], env.lengths[number % LENGTHS])
+            or self.ways.free_of[mirroring][k] < self.config.avoid_accept
         ):
             return False
         plan.take(mirroring, k)
@@ -289,7 +289,7 @@ class Decision:
         mirroring = 0
         for one in mirrorings:
             free = self.ways.free_of[one]
-            for k in range(self._candidates.count):
+            for k in range(self.candidates.count):
                 if free[k] > least:
                     least = free[k]
                     mirroring = one
@@ -301,18 +301,18 @@ class Decision:
 
     def _escape(self, odometry):
         """To and fro on the same ground has led nowhere: go back or on as far as anything goes, and look from there. False if nothing goes far."""
-        lengths = self._candidates.lengths
+        lengths = self.candidates.lengths
         most = self.longest((2, 3, 0, 1), lengths[2])
         if not most:
             return False
         self.two_step.found = False  # no second move
         self.plan.begin(1, min(most - lengths[0], lengths[3]), odometry, reasons.AGAIN)
-        self._reversals = 0
+        self.reversals = 0
         return True
 
     def _count_reversals(self, odometry):
         """How often the robot has backed up since it last got anywhere: a third of its length on, or 15 degrees round."""
-        if away(self._anchor, odometry, self._candidates.half_length * 2 // 3, 15000):
-            mark(self._anchor, odometry)
-            self._reversals = 0
-        self._reversals += self.plan.mirroring >> 1
+        if away(self.anchor, odometry, self.candidates.half_length * 2 // 3, 15000):
+            mark(self.anchor, odometry)
+            self.reversals = 0
+        self.reversals += self.plan.mirroring >> 1

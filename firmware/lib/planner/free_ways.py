@@ -20,7 +20,7 @@ class FreeWays:
 
     def look(self, x, y, heading):
         """The points from a pose (1/8 mm, 0.1 deg), in the order of the map: which of them serve must not depend on what was checked before."""
-        env = self._candidates
+        env = self.candidates
         windows = self.windows
         self.n = n = self.map.view(x, y, heading, self.x, self.y, env.look_ahead + env.half_length)
         windows.sort(self.x, self.y, n)
@@ -53,6 +53,6 @@ class FreeWays:
 
     def drop_behind(self):
         """Bring the points that no candidate can meet to the end; returns how many are before them."""
-        env = self._candidates
+        env = self.candidates
         self.ordered = False
         return drop_behind(self.x, self.y, self.near, self.n, env.half_length + env.soft, self.swing)

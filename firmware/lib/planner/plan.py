@@ -22,7 +22,7 @@ class Plan:
 
     def take(self, mirroring, candidate):
         """Choose a steering; how far it is free was checked before."""
-        candidates = self._candidates
+        candidates = self.candidates
         self.mirroring = mirroring
         self.candidate = candidate
         self.af = candidates.af_of(mirroring, candidate)
@@ -33,7 +33,7 @@ class Plan:
         """The steering taken is a move of `length` mm: number `moves` of a plan."""
         self.moves = moves
         self.limit = length
-        self._until = odometry.travel256 + (length << 8)
+        self.until = odometry.travel256 + (length << 8)
         self.why = why
 
     def stand(self, why):
@@ -49,7 +49,7 @@ class Plan:
 
     def left(self, odometry):
         """What is left of the move that is being driven, mm."""
-        return (((self._until - odometry.travel256) & 0x3FFFFFF ^ 0x2000000) - 0x2000000) >> 8
+        return (((self.until - odometry.travel256) & 0x3FFFFFF ^ 0x2000000) - 0x2000000) >> 8
 
     def arrived(self, odometry):
         return self.left(odometry) <= _ARRIVED
@@ -57,7 +57,7 @@ class Plan:
     def follow(self, odometry):
         """Go on with the plan if the points still allow it. False when it is over."""
         left = self.left(odometry)
-        lengths = self._candidates.lengths
+        lengths = self.candidates.lengths
         if left > _ARRIVED:
             self.limit = left
             if self.free >= min(left, 2 * lengths[0]) - _SLACK:

@@ -35,13 +35,13 @@ class TwoStep:
         self._at = 0  # the first move that is being followed by second ones
         self._left = 0  # 1 while these go left
         self._next = 0  # candidate at which the next slice goes on
-        self._least = NOTHING
+        self.least = NOTHING
         self.chosen = 0
         self.found = False
 
     def choose_first(self):
         """Take the best move of all mirrorings, and out of these all that end like it. True when there are enough, or no more."""
-        env = self._candidates
+        env = self.candidates
         n = self.count
         least = NOTHING
         mirroring = 0
@@ -58,7 +58,7 @@ class TwoStep:
         self.mirroring[n] = mirroring
         self.candidate[n] = number // LENGTHS
         self.length[n] = env.lengths[number % LENGTHS]
-        self._score[n] = least
+        self.costs[n] = least
         suppress(self.scores[mirroring], env.ends, env.turns, env.count, number, env.look_ahead // 12, env.half_length)
         self.count = self._coarse = n + 1
         return self.count == _COARSE
@@ -68,7 +68,7 @@ class TwoStep:
 
         Every other point and candidate does: the second move is looked at again, with all of them, before it is driven.
         """
-        env = self._candidates
+        env = self.candidates
         if self._next == 0:
             self._stand_at_end()
         last = self._try_some()
@@ -82,7 +82,7 @@ class TwoStep:
             self._left = 1
             return False
         at += 1
-        if not fine and at < self._coarse and self.found and self._score[at] > self._least + _SLACK:
+        if not fine and at < self._coarse and self.found and self.costs[at] > self.least + _SLACK:
             self.count = self._coarse = at  # no better pair begins with this one, or with those behind it
         self._at = at
         if at == self._coarse and self.found:
@@ -93,7 +93,7 @@ class TwoStep:
 
     def _stand_at_end(self):
         """The points as seen from where the first move ends, mirrored for second moves to the left."""
-        env = self._candidates
+        env = self.candidates
         ways = self.ways
         at = self._at
         x, y = self.scores[1], self.scores[2]
@@ -101,18 +101,18 @@ class TwoStep:
         if fine or not self._left:
             env.travel(self.mirroring[at], self.candidate[at], self.length[at])
             turn = env.end_turn
-            self._n = move(ways.x, ways.y, ways.n, env.end_x, env.end_y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, x, y, 2)
-            self._near = ways.sort_near(x, y, self._n)
+            self.n = move(ways.x, ways.y, ways.n, env.end_x, env.end_y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, x, y, 2)
+            self.near = ways.sort_near(x, y, self.n)
             cost = self.move_cost.stand_at(env.end_x, env.end_y, turn)
             if not fine:
-                self._score[at] -= cost  # that of the second move's end takes its place
+                self.costs[at] -= cost  # that of the second move's end takes its place
         if self._left:
-            mirror(x, self._n)
-        self._ahead = drop_behind(x, y, self._near, self._n, env.half_length + env.soft, ways.swing)
+            mirror(x, self.n)
+        self.ahead = drop_behind(x, y, self.near, self.n, env.half_length + env.soft, ways.swing)
 
     def _try_some(self):
         """Check and score the next second moves, and keep the best pair. Returns the candidate after them."""
-        env = self._candidates
+        env = self.candidates
         ways = self.ways
         scores = self.scores[0]
         free = self.scores[3]
@@ -123,15 +123,15 @@ class TwoStep:
         if env.ahead_end <= first < env.arcs:
             first = env.arcs
         stride = 2 if first < env.arcs else 1
-        last = min(first + stride * (in_a_slice(self._ahead) + 1), env.ahead_end if stride == 2 else env.count)
-        ways.collision.prepare(self._ahead, self._near, stride, env.lengths[1])
+        last = min(first + stride * (in_a_slice(self.ahead) + 1), env.ahead_end if stride == 2 else env.count)
+        ways.collision.prepare(self.ahead, self.near, stride, env.lengths[1])
         ways.collision.check(self.scores[1], self.scores[2], first, last, free, ways.soft, ways.block)
         self.move_cost.score(
             self._left, free, ways.soft, scores, first, last, stride, env.af_of(mirroring, candidate), env.ar_of(mirroring, candidate), _TO_A_SIDE
         )
         number = best(scores, first, last, stride)
-        if number != NOTHING and self._score[at] + scores[number] < self._least:
-            self._least = self._score[at] + scores[number]
+        if number != NOTHING and self.costs[at] + scores[number] < self.least:
+            self.least = self.costs[at] + scores[number]
             self.found = True
             self.chosen = at
             self.second_mirroring = self._left
@@ -145,7 +145,7 @@ class TwoStep:
         mirroring = self.mirroring[at]
         candidate = self.candidate[at]
         length = self.length[at]
-        unit = self._candidates.half_length // 25
+        unit = self.candidates.half_length // 25
         for d in (-3, -2, -1, 1, 2, 3):
             other = length + d * unit
             if 2 * unit < other <= self.ways.free_of[mirroring][candidate]:
@@ -153,5 +153,5 @@ class TwoStep:
                 self.mirroring[n] = mirroring
                 self.candidate[n] = candidate
                 self.length[n] = other
-                self._score[n] = self._score[at] + other - length
+                self.costs[n] = self.costs[at] + other - length
                 self.count = n + 1
