@@ -27,8 +27,7 @@ _LATERAL = const(5)  # AF = AR: a crab at that angle, sideways at 90
 _SAME_PHASE = const(6)  # AF and AR of the same sign, not equal
 _STRAIGHT = const(7)  # AF = AR = 0
 
-# Lengths over S are held in 2**-23 and stay below 8, so that a product with a component below 2**24 splits into halves of 13 bits.
-_LARGEST_RATIO = const(8)
+# Lengths over S are held in 2**-23 and stay below 8 (core/axles.py), so that a product with a component below 2**24 splits into halves of 13 bits.
 # Layout of Steering._work: the twist plus _ZERO, number of axles, track / S, 2 * (distance behind the first axle) / S of each axle, then
 # room for the speed of each wheel.
 _VX = const(0)
@@ -219,31 +218,17 @@ class Steering:
     """
 
     def __init__(self, spacings, track, first=None):
-        if not spacings:
-            raise ValueError("a robot has two axles at least: give one spacing or more")
-        if len(spacings) > 14:
-            raise ValueError("%d axles are too many: 15 at most" % (len(spacings) + 1))
-        if min(spacings) <= 0:
-            raise ValueError("axle spacings must be above 0 mm, not %r" % min(spacings))
-        span = sum(spacings)
-        if not 0 < track < _LARGEST_RATIO * span:
-            raise ValueError("track must lie between 0 and %d mm (8 times the wheelbase), not %r" % (_LARGEST_RATIO * span, track))
+        from core.axles import lay_out
+
+        self._work, self.n, span = lay_out(spacings, track)
         self.spacings = spacings
         self.track = track
         self.first = span / 2 if first is None else first
         self.span = span
-        self.n = n = len(spacings) + 1
-        self._work = array("i", bytes(4 * (_FIRST + 3 * n)))
-        self._work[_AXLES] = n
-        self._work[_TRACK] = _ratio(track, span)
-        behind = 0
-        for k in range(n - 1):
-            behind += spacings[k]
-            self._work[_FIRST + 1 + k] = _ratio(2 * behind, span)
         # From the middle of the axles back to the body's centre, over S/2, in 2**-14
         self._back = int(round((span / 2 - self.first) * 32768 / span))
-        self.angles = array("h", bytes(4 * n))
-        self.shares = array("h", bytes(4 * n))
+        self.angles = array("h", bytes(4 * self.n))
+        self.shares = array("h", bytes(4 * self.n))
         self.solve(0, 0)
 
     def solve(self, af, ar):
@@ -293,11 +278,6 @@ class Steering:
                 return k
             k += 1
         return -1
-
-
-def _ratio(length, span):
-    """length / span in 2**-23, rounded; exact where both are ints."""
-    return int((length * 0x1000000 // span + 1) // 2)
 
 
 def mode_of(af, ar):

@@ -46,7 +46,7 @@ def _build(path):
     link = _link(config, wlan, remark)
     robot = _robot(config, avoid, drive, link, lidar_line, screen_line)
     config.once = None
-    unload("core.start", "core.version")
+    unload("core.axles", "core.start", "core.version")
     gc.threshold(-1)  # from now on the loop allocates nothing
     return robot
 
