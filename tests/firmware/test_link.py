@@ -1,5 +1,6 @@
 """link.py and commands.py: who may drive, when driving by hand ends, and what the robot tells."""
 
+import gc
 import json
 import struct
 import sys
@@ -558,3 +559,22 @@ def test_telling_allocates_nothing():
     finally:
         micropython.heap_unlock()
     assert len(line.sent()) > 60
+
+
+def test_what_is_loaded_when_used_leaves_the_heap_as_it_was():
+    link, line, robot = make()
+    gc.collect()
+    taken = [0] * 12  # the list must not grow itself
+    now = 0
+    for k in range(12):
+        line.receive(frame(protocol.WATCH, b"\1\0\0\0\3") + frame(protocol.LIST, b"\2\0\0\0") + frame(protocol.GREET, b"\3\0\0\0\1"))
+        for _ in range(20):
+            now += 5000
+            link.update(now, robot)
+            link.frame(robot.lidar)
+        line.receive(frame(protocol.WATCH, b"\4\0\0\0\0"))
+        run(link, line, robot, now, now + 4_000_000, 50_000)
+        now += 4_000_000
+        gc.collect()
+        taken[k] = gc.mem_alloc()
+    assert taken[2:] == [taken[2]] * 10, taken
