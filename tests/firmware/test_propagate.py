@@ -59,7 +59,7 @@ class _Case:
             for pose in levels[level]:
                 if cost[pose] == level:
                     for to, step in self._steps(pose):
-                        c = min(level + step, 254)
+                        c = min(self._sum(level, step), 254)
                         if c < cost[to]:
                             cost[to] = c
                             levels[c].append(to)
@@ -80,7 +80,15 @@ class _Case:
                 c = self.primitives[at + 1] * (2 if self.aws and turn else self.revisit[y * _N + x]) >> 1
                 if self.near[row] >> i & 1:
                     c *= 4 if self.aws else 6
-                yield row * _N + i, (c + (1 << self.shift >> 1)) >> self.shift
+                yield row * _N + i, c
+
+    def _sum(self, here, step):
+        """A cost and that of a step, sixteenths of a cell: above 192 units are four times as large."""
+        unit = 1 << self.shift
+        if here >= 192:
+            return here + (step + 2 * unit) // (4 * unit)
+        c = here + (step + unit // 2) // unit
+        return c if c <= 192 else 192 + (c - 192) // 4
 
 
 def test_costs_are_those_of_a_plain_search():

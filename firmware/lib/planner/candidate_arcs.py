@@ -11,7 +11,7 @@ _BIAS = const(8192)
 _BINS = const(24)
 _LENGTHS = const(5)
 
-# Fields of an arc's constants, 16-bit words; those from _IN_SOFT on are pairs, the low one first. _FRONT, _SECOND and _SECOND_BINS are of candidate_rings.py.
+# Fields of an arc's constants, 16-bit words; those from _IN_SOFT on are pairs, the low one first. _FRONT, _SECOND, _SECOND_BINS and _SLOPE_SHIFT (6 to 9) are of candidate_rings.py.
 _STRIDE = const(20)
 _XC = const(0)
 _YC = const(1)

@@ -19,6 +19,7 @@ _BIN_SCALE = const(3)
 _FRONT = const(6)  # least of all entries, and a little: no ring enters the outline farther on
 _SECOND = const(7)  # of its bins with a second entry: place in `seconds`,
 _SECOND_BINS = const(8)  # first bin << 5 | how many
+_SLOPE_SHIFT = const(9)  # of the table's slopes
 _IN = const(14)
 
 
@@ -35,8 +36,8 @@ def _fill_arc(draft, k, used):
     inner = c[b + _IN] | c[b + _IN + 1] << 16
     edges = _edges(draft, c[b + _XC] - _BIAS, c[b + _YC] - _BIAS)
     width = 1048576 / c[b + _BIN_SCALE] * (1 << c[b + _BIN_SHIFT])  # of a bin, square mm
-    table = draft.table
     front = 65535
+    firsts = []
     seconds = draft.seconds
     first_used = used
     second_bin = 0
@@ -46,11 +47,7 @@ def _fill_arc(draft, k, used):
         for value in first + last:
             if 0 < value < front:
                 front = value
-        t = (k * _BINS + j) * 4
-        for value in first:
-            table[t] = value & 0xFF
-            table[t + 1] = value >> 8
-            t += 2
+        firsts.append(first)
         if last != first and used == first_used:
             second_bin = j
         if last != first or used > first_used:
@@ -63,9 +60,24 @@ def _fill_arc(draft, k, used):
             if last != first:
                 after = used
     c[b + _FRONT] = front - 200
+    _lay(draft, k, firsts)
     c[b + _SECOND] = first_used
     c[b + _SECOND_BINS] = second_bin << 5 | (after - first_used) >> 1
     return after
+
+
+def _lay(draft, k, entries):
+    """An arc's bins in the table: 24 entries at the inner end, 16-bit words, then 24 bytes: by how much the entry at the outer end is larger, in units of 2**shift, signed."""
+    shift = 0
+    for low, high in entries:
+        while not -128 <= (high - low) >> shift < 128:
+            shift += 1
+    draft.consts[k * _STRIDE + _SLOPE_SHIFT] = shift
+    t = k * _BINS * 3
+    for j, (low, high) in enumerate(entries):
+        draft.table[t + 2 * j] = low & 0xFF
+        draft.table[t + 2 * j + 1] = low >> 8
+        draft.table[t + 2 * _BINS + j] = (high - low) >> shift & 0xFF  # rounded down: never late
 
 
 def _bin(edges, square, width):

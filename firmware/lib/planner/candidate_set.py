@@ -34,7 +34,7 @@ class Draft:
         self.ar = array("h", [p[1] * 10 for p in pairs] + [a * 10 for a in strips])
         self.lengths = array("H", [self.look_ahead * part // 14 for part in (1, 2, 4, 8, 14)])
         self.consts = array("H", bytes(2 * self.arcs * _STRIDE))
-        self.table = bytearray(2 * self.arcs * _BINS * 2)  # 16-bit words for the viper functions
+        self.table = bytearray(3 * self.arcs * _BINS)  # see candidate_rings.py
         self.seconds = array("H", bytes(2 * _SECONDS * self.arcs))
         self.strips = array("i", bytes(4 * _STRIP_STRIDE * len(strips)))
         self.ends = array("H", bytes(2 * self.count * _LENGTHS * 2))

@@ -46,6 +46,7 @@ _REF = const(5)
 _FRONT = const(6)
 _SECOND = const(7)
 _SECOND_BINS = const(8)
+_SLOPE_SHIFT = const(9)
 _IN_SOFT = const(5)
 _OUT_SOFT = const(6)
 _IN = const(7)
@@ -189,6 +190,7 @@ def _sweep_arcs(points_x, points_y, jobs, consts: ptr16, table: ptr16, seconds: 
     py = ptr16(points_y)
     job = ptr32(jobs)
     wide = ptr32(consts)
+    slopes = ptr8(table)
     sine = ptr16(SIN)
     last_block = _NONE
     near = job[_NEAR]
@@ -227,7 +229,8 @@ def _sweep_arcs(points_x, points_y, jobs, consts: ptr16, table: ptr16, seconds: 
             soft_limit = limit
         bottom = (job[_FLOOR] << 16) // turn_mm
         if limit >= bottom:
-            row = k * (2 * _BINS)
+            row = k * (3 * _BINS >> 1)
+            slope = k * (3 * _BINS) + 2 * _BINS
             # What stopped the candidate before is likely to stop this one: it comes first, and what lies beyond need not be looked at.
             i = n - 1
             if last_block < i and last_block >= near:
@@ -289,9 +292,8 @@ def _sweep_arcs(points_x, points_y, jobs, consts: ptr16, table: ptr16, seconds: 
                             pos = _BINS * 256 - 1
                         bin = pos >> 8
                         pos = pos & 255
-                        j = row + bin + bin
-                        e = table[j]
-                        h = (e + (((table[j + 1] - e) * pos) >> 8) - phi) & 0xFFFF
+                        e = ((slopes[slope + bin] ^ 128) - 128) << consts[base + _SLOPE_SHIFT]
+                        h = (table[row + bin] + ((e * pos) >> 8) - phi) & 0xFFFF
                         bin -= second_bin
                         if bin >= 0 and bin < second_bins:
                             # the ring enters the outline a second time

@@ -14,6 +14,7 @@ _PLACES = const(784)
 _STATES = const(9408)
 _ALL = const(0x0FFFFFFF)  # columns of a row
 _OUT = const(255)  # cost of what is closed or not reached
+_KNEE = const(192)  # of costs: see propagate.py
 _TRAIL = const(120)  # points of the trail
 _VISITS = const(40)  # a revisit cost rises no further
 _EMPTY = const(0xF0)  # footprint mask without a column
@@ -54,7 +55,6 @@ def cover(revisit: ptr8, tx: ptr16, ty: ptr16, job: ptr32, first: int, last: int
     radius = job[_RADIUS]
     half = cell >> 1
     room = radius * radius
-    size = cell * _N
     k = first % _TRAIL
     while first < last:
         x = (((tx[k] - job[_X]) & 0xFFFF) ^ 0x8000) - 0x8000
@@ -63,8 +63,6 @@ def cover(revisit: ptr8, tx: ptr16, ty: ptr16, job: ptr32, first: int, last: int
         k += 1
         if k == _TRAIL:
             k = 0
-        if x <= 0 - radius or y <= 0 - radius or x >= size + radius or y >= size + radius:
-            continue
         i0 = (x - radius) // cell
         i1 = (x + radius) // cell
         j = (y - radius) // cell
@@ -166,49 +164,35 @@ def seed(cost: ptr8, closed: ptr32, fallen: ptr32, ux: int, uy: int, sense: int,
 
     sense: of heading_branch.apply(); shift: log2 of sixteenths of a cell in a unit of cost; rim: what each of 24 headings of the nose adds on the far rim (primitives.rim()).
     """
-    t = 0
-    while t < _ROWS:
-        fallen[t] = 0
-        t += 1
-    t = 0
-    while t < _TURNS:
-        side = 0
-        while side < 4:
-            # Heading of the nose as the far rim sees it, whichever side this is.
-            h = t + _TURNS * (sense >> t & 1)
-            if side == 0:
+    row = 0
+    while row < _ROWS:
+        t = row // _N
+        y = row - t * _N
+        # Heading of the nose as the far rim sees it, whichever side this is.
+        h = t + _TURNS * (sense >> t & 1)
+        step = 1
+        if y == 0:
+            h += 12
+        elif y < _N - 1:
+            h += 6
+            step = _N - 1
+        marks = 0
+        x = 0
+        while x < _N:
+            if x == step and x != 1:
                 h += 12
-            elif side == 2:
-                h += 6
-            elif side == 3:
-                h += 18
             if h >= 2 * _TURNS:
                 h -= 2 * _TURNS
-            more = rim[h]
-            i = 0
-            while i < _N:
-                x = i
-                y = i
-                if side == 0:
-                    y = 0
-                elif side == 1:
-                    y = _N - 1
-                elif side == 2:
-                    x = 0
-                else:
-                    x = _N - 1
-                row = t * _N + y
-                at = row * _N + x
-                if ((closed[row] >> x) & 1) == 0 and cost[at] == _OUT:
-                    # 8 cells straight ahead, none at the corner ahead; behind, 3 times the way there more
-                    c = ((38 << 10) - (x + x - _N + 1) * ux - (y + y - _N + 1) * uy) * 12 >> 10
-                    if c < 0:
-                        c = 0
-                    c = (c + more) >> shift
-                    if c > _OUT - 1:
-                        c = _OUT - 1
-                    cost[at] = c
-                    fallen[row] = fallen[row] | (1 << x)
-                i += 1
-            side += 1
-        t += 1
+            if ((closed[row] >> x) & 1) == 0:
+                # 8 cells straight ahead, none at the corner ahead; behind, 3 times the way there more
+                c = ((38 << 10) - (x + x - _N + 1) * ux - (y + y - _N + 1) * uy) * 12 >> 10
+                if c < 0:
+                    c = 0
+                c = (c + rim[h]) >> shift
+                if c > _KNEE:
+                    c = _KNEE + ((c - _KNEE) >> 2)
+                cost[row * _N + x] = c
+                marks = marks | (1 << x)
+            x += step
+        fallen[row] = marks
+        row += 1

@@ -9,7 +9,7 @@ else as soon turn its nose into a corner and its rear into the way out.
 The outline is the same seen from both ends; which of them is the nose, heading_branch.py says. The grid is coarse: the outline is taken a little
 small, and the exact test of every move is the collision check's business.
 
-Costs are bytes, in units of a quarter of a cell. Where leaving costs so much that they run out of range (a long blind alley), the next grids have units twice as large.
+Costs are bytes, in units of a quarter of a cell, of a whole one where they are large (propagate.py).
 A grid is made in slices, so that no call takes long: cost_grid.py, propagate.py. Meanwhile there is none to ask: there is room for one only.
 Lengths on the floor are 1/8 mm modulo 2**16.
 """
@@ -34,13 +34,10 @@ _STATES = const(9408)
 _OUT = const(255)  # cost of what is closed or not reached
 _TRAIL = const(120)  # points, one each cell's length
 _TRAIL_GAP = const(10)  # those behind the centre that are still under the body
-# log2 of sixteenths of a cell in a unit: coarser when leaving has cost more than so many units for so many grids, finer when it costs fewer
-_FINEST = const(2)
-_FINEST_NAWS = const(3)  # to and fro where the last axle stays straight costs more
-_COARSEST = const(4)
-_PATIENCE = const(4)
-_HIGH = const(240)
-_LOW = const(110)
+_KNEE = const(192)  # of costs: see propagate.py
+# log2 of sixteenths of a cell in a unit of cost; where the last axle stays straight, to and fro costs more
+_UNIT = const(2)
+_UNIT_NAWS = const(3)
 
 
 @micropython.viper
@@ -76,7 +73,7 @@ def sample(cost: ptr8, poses: ptr32, n: int, cell: int):
             heading = poses[p + 2] % 1800
             t = heading // 150
             ft = (((heading - t * 150) << 4) + 75) // 150
-            least = _OUT
+            least = 32767
             total = 0
             closed = 0
             at = (t * _N + j) * _N + i
@@ -99,6 +96,8 @@ def sample(cost: ptr8, poses: ptr32, n: int, cell: int):
                     if v == _OUT:
                         closed += w
                     else:
+                        if v > _KNEE:
+                            v += (v - _KNEE) * 3
                         total += v * w
                         if v < least:
                             least = v
@@ -110,7 +109,7 @@ def sample(cost: ptr8, poses: ptr32, n: int, cell: int):
                         at += _PLACES - 2 * _N
                         if t == _TURNS - 1:
                             at -= _STATES
-            if least != _OUT:
+            if least != 32767:
                 total += (least + (48 >> shift)) * closed  # closed: a little more than the best pose round about
                 value = ((total >> 4) * cell) >> (15 - shift)
         poses[p] = value
@@ -132,8 +131,7 @@ class CostToGo:
         cell = config.robot_length * 8 // 12
         self.cell = cell  # 1/8 mm
         self.cost = bytearray(_STATES + 1)  # the last byte: log2 of sixteenths of a cell in a unit
-        self._shift = _FINEST if config.mode == "AWS" else _FINEST_NAWS
-        self._high = 0  # grids in which leaving cost nearly all that a byte holds
+        self.cost[_STATES] = shift = _UNIT if config.mode == "AWS" else _UNIT_NAWS
         self.scratch = array("H", bytes(4 * 3 * _ROWS + _PLACES))
         view = memoryview(self.scratch)
         self._closed = view[: 2 * _ROWS]
@@ -142,7 +140,7 @@ class CostToGo:
         self._revisit = view[6 * _ROWS :]
         radius = config.robot_width * 4 + cell // 2  # of what the trail makes expensive
         self._job = array("i", (0, 0, cell, radius, len(self._masks) // (16 * _TURNS)))  # of cost_grid.py
-        self._wave = array("i", (0, 0, 0, 0, 0, 0, 20, 16, 4, 0) if config.mode == "AWS" else (0, 0, 0, 0, 0, 0, 24, 16, 6, 1))  # of propagate.py
+        self._wave = array("i", (0, 0, 0, 0, 0, shift, 20, 16, 4, 0) if config.mode == "AWS" else (0, 0, 0, 0, 0, shift, 24, 16, 6, 1))  # of propagate.py
         self._tx = array("H", bytes(2 * _TRAIL))
         self._ty = array("H", bytes(2 * _TRAIL))
         self._trail = 0  # points laid so far
@@ -201,14 +199,11 @@ class CostToGo:
                 return False
         elif stage == 3:
             sense = heading_branch.apply(odometry.heading // 100, self._lean, self._closed)
-            shift = self._shift
-            self.cost[_STATES] = shift
-            seed(self.cost, self._closed, self._marks, self.ux, self.uy, sense, shift, self._rim)
             wave = self._wave
+            seed(self.cost, self._closed, self._marks, self.ux, self.uy, sense, wave[5], self._rim)
             wave[0] = wave[1] = wave[2] = 0
             wave[3] = _OUT
-            wave[4] = sense if self._wave[9] else 0
-            wave[5] = shift
+            wave[4] = sense if wave[9] else 0
         else:
             if not propagate(self.cost, self._closed, self._near, self._revisit, self._marks, self._primitives, self._wave, _WORK):
                 return False
@@ -223,7 +218,7 @@ class CostToGo:
         return False
 
     def _begin(self, odometry):
-        """Lay the grid round the robot; the one before says to which side the half turn of orientations leans, and how fine a unit of cost may be."""
+        """Lay the grid round the robot; the one before says to which side the half turn of orientations leans."""
         x = odometry.x >> 5
         y = odometry.y >> 5
         cell = self.cell
@@ -231,15 +226,7 @@ class CostToGo:
         if self.builds:
             i = ((x - job[0] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
             j = ((y - job[1] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
-            heading = odometry.heading // 100
-            self._lean = heading_branch.choose(self.cost, i, j, heading)
-            here = self.at(x, y, heading) * 128 // cell >> self._shift
-            self._high = self._high + 1 if _HIGH < here <= _OUT else 0
-            if self._high == _PATIENCE and self._shift < _COARSEST:
-                self._shift += 1
-                self._high = 0
-            elif here < _LOW and self._shift > (_FINEST_NAWS if self._wave[9] else _FINEST):
-                self._shift -= 1
+            self._lean = heading_branch.choose(self.cost, i, j, odometry.heading // 100)
         job[0] = x - cell * (_N // 2) & 0xFFFF
         job[1] = y - cell * (_N // 2) & 0xFFFF
 

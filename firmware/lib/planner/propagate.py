@@ -1,6 +1,7 @@
 """Propagating the cost to go from the rim of the grid inwards, along the motion primitives.
 
-    cost     a byte a pose, (orientation * 28 + y) * 28 + x: units of the cost to go, 254 that or more, 255 closed or not reached
+    cost     a byte a pose, (orientation * 28 + y) * 28 + x: 0..192 units of the cost to go, from there on 193..253 fours of units, 254 that or more,
+             255 closed or not reached
     masks    a 32-bit word a row (orientation * 28 + y), a bit a column: closed, near, and fallen
 
 A pose whose cost fell is marked in `fallen`. The rows are gone through again and again; each marked pose within a limit is unmarked, and offers its cost plus
@@ -16,6 +17,7 @@ _N = const(28)
 _TURNS = const(12)
 _ROWS = const(336)
 _MOST = const(254)
+_KNEE = const(192)  # above, units are four times as large: so far out it is known roughly what leaving costs
 _BAND = const(64)  # by which the limit rises above the least cost: 4 cells, sixteenths of a cell
 _ROW_WORK = const(1)  # what it costs of the budget to look through a row with marks, to propagate from a pose, to go through all rows
 _POSE_WORK = const(4)
@@ -77,14 +79,12 @@ def propagate(cost: ptr8, closed: ptr32, near: ptr32, revisit: ptr8, fallen: ptr
                         while turn < 3:
                             to_t = t
                             if turn:
-                                if turn == 1:
-                                    to_t += 1
-                                    if to_t == _TURNS:
-                                        to_t = 0
-                                else:
-                                    to_t -= 1
-                                    if to_t < 0:
-                                        to_t = _TURNS - 1
+                                # the next orientation, then the one before
+                                to_t += 3 - turn - turn
+                                if to_t == _TURNS:
+                                    to_t = 0
+                                if to_t < 0:
+                                    to_t = _TURNS - 1
                                 last += turning
                                 if job[_TURN_WEIGHED] == 0:
                                     w = 2
@@ -102,7 +102,12 @@ def propagate(cost: ptr8, closed: ptr32, near: ptr32, revisit: ptr8, fallen: ptr
                                         c = primitives[p + 1] * w >> 1
                                         if (near[j] >> i) & 1:
                                             c = c * job[_NEAR]
-                                        c = ((c + half) >> shift) + here
+                                        if here < _KNEE:
+                                            c = ((c + half) >> shift) + here
+                                            if c > _KNEE:
+                                                c = _KNEE + ((c - _KNEE) >> 2)
+                                        else:
+                                            c = ((c + 4 * half) >> (shift + 2)) + here
                                         if c > _MOST:
                                             c = _MOST
                                         if c < old:
