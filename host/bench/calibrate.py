@@ -41,7 +41,7 @@ OF = {table}
 
 
 def rows(courses=COURSES, firmware=image.FIRMWARE, each=None):
-    """(names of the methods charged for, (n, 5) int of calls, see board/meter.py) over the courses, watched with candidates and raw scans."""
+    """(names of the methods charged for, (n, 6) int of calls, see board/meter.py) over the courses, watched with candidates and raw scans."""
     bench = Bench(firmware)
     tapes = [tape for tape in scans.tapes(courses, firmware, WORKERS, twin=False) if not tape.surprise]
     found = [bench.calibrate(tapes[0], tables=False)]
@@ -56,9 +56,9 @@ def rows(courses=COURSES, firmware=image.FIRMWARE, each=None):
 
 def watched():
     """Bytes on the USB line that ask for candidates and raw scans."""
-    from link import frames, telemetry
+    from link import frames, protocol
 
-    return frames.frame(telemetry.WATCH, messages.watch(1, True, True))
+    return frames.frame(protocol.WATCH, messages.watch(1, True, True))
 
 
 def names():

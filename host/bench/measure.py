@@ -81,7 +81,7 @@ class Bench:
             return self._play("count", tape, self.counted, costs.name)
 
     def calibrate(self, tape, said=b"", tables=True):
-        """(n, 5) int of what board/meter.py wrote down. said: bytes that come on the USB line at once. tables: they are on the board, or made there."""
+        """(n, 6) int of what board/meter.py wrote down. said: bytes that come on the USB line at once. tables: they are on the board, or made there."""
         with tempfile.TemporaryDirectory() as folder:
             costs, sizes = Path(folder) / "costs", Path(folder) / "sizes"
             costs.write_bytes(np.array([block.instructions for block in self.blocks], "<i4").tobytes())
@@ -97,7 +97,7 @@ class Bench:
                 said=said,
                 tables=tables and image.tables(tape.robot, self.folder),
             )
-        return np.frombuffer(data, "<i4").reshape(-1, 5)
+        return np.frombuffer(data, "<i4").reshape(-1, 6)
 
     def heap(self, tape):
         """{"worst": bytes by which the heap grew most in one loop, "all": in all loops, "buffers": bytes of all buffers on the ESP32}."""

@@ -1,9 +1,10 @@
 """All figures of a robot.json, measured, and what the chip's memory has left."""
 
-import importlib
 from pathlib import Path
 
 from host import micropython
+from host.bench import figures
+from host.bench.measure import BenchError
 from host.twin import image
 
 from . import chip_memory, peak, rooms, targets, trace
@@ -27,18 +28,17 @@ def measure(config: dict, firmware: Path = image.FIRMWARE) -> dict:
         "live_bytes": lives,
         "peak_bytes": highest - lives["usb"] if highest and lives["usb"] else None,
         "native_bytes": sum(map(sum, pieces.values())),
-        **_times(),
+        **_times(firmware),
         "word_bytes": micropython.find().word_bytes,
     }
 
 
-def _times() -> dict[str, float | None]:
-    """Milliseconds at 240 MHz, from the twin's charges; None where the twin does not reckon them."""
+def _times(firmware: Path) -> dict[str, float | None]:
+    """Milliseconds at 240 MHz, modelled by the bench; None where it cannot."""
     try:
-        found = importlib.import_module("host.twin.times").measure()
-    except (ImportError, AttributeError):
-        found = {}
-    return {name: found.get(name) for name in ("start_ms_esp32", "turn_worst_ms_esp32", "link_worst_ms_esp32")}
+        return figures.times(firmware)
+    except BenchError:
+        return dict.fromkeys(("start_ms_esp32", "turn_worst_ms_esp32", "link_worst_ms_esp32"))
 
 
 def chip(config: dict, firmware: Path = image.FIRMWARE) -> dict[str, chip_memory.ChipMemory | chip_memory.NoRoom]:

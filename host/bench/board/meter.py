@@ -1,11 +1,13 @@
 """Counts what each method that the twin charges for executes, and what the charge reckons with; see host/twin/board/charge.py.
 
-A row of i32: number of the method, instructions of its own, its two counts of work, number of the charged method in which the loop was (-1 outside).
+A row of i32: number of the method, instructions of its own, its two counts of work, number of the charged method that the loop had called, time
+that passed in it on the board's clock, us (of which there is only what the I2C bus takes).
 """
 
 from array import array
 
 import charge
+import lockstep
 from watch import clear_counters, sum_counters
 
 _ROWS = 2048
@@ -23,10 +25,11 @@ class Meter:
         self._counters = COUNTERS
         self._size = len(self._costs)
         self._file = open(path, "wb")
-        self._rows = array("i", bytes(20 * _ROWS))
+        self._rows = array("i", bytes(24 * _ROWS))
         self._used = 0
         self._own = [0] * _DEPTH
         self._pending = [[] for _ in range(_DEPTH)]
+        self._began = [0] * _DEPTH
         self._depth = 0
         self._frozen = False
         charge.enter, charge.resume, charge.done, charge.leave = self.enter, self.resume, self.done, self.leave
@@ -40,6 +43,7 @@ class Meter:
             carried, self._own[0] = self._own[0], 0
         self._depth += 1
         self._own[self._depth] = carried
+        self._began[self._depth] = lockstep.now
 
     def resume(self):
         """Nobody's."""
@@ -56,7 +60,7 @@ class Meter:
             self._own[self._depth] += self._count()
         self._frozen = False
         waiting = self._pending[self._depth]
-        waiting.append((number, self._own[self._depth], a, b))
+        waiting.append((number, self._own[self._depth], a, b, lockstep.now - self._began[self._depth]))
         self._depth -= 1
         if self._depth > 1:
             self._pending[self._depth].extend(waiting)
@@ -68,7 +72,7 @@ class Meter:
 
     def close(self):
         """All rows are in the file."""
-        self._file.write(memoryview(self._rows)[: 5 * self._used])
+        self._file.write(memoryview(self._rows)[: 6 * self._used])
         self._file.close()
 
     def _count(self):
@@ -77,9 +81,9 @@ class Meter:
         return counted
 
     def _write(self, row, stage):
-        at = 5 * self._used
+        at = 6 * self._used
         rows = self._rows
-        rows[at], rows[at + 1], rows[at + 2], rows[at + 3] = row
+        rows[at], rows[at + 1], rows[at + 2], rows[at + 3], rows[at + 5] = row
         rows[at + 4] = stage
         self._used += 1
         if self._used == _ROWS:
