@@ -123,8 +123,12 @@ def report(named, calls, table):
     return "\n".join(lines[1:])
 
 
+def listing(table):
+    """Prices as prices.py holds them."""
+    lines = pprint.pformat(table, width=140, sort_dicts=False).splitlines()
+    return "{\n" + "\n".join("    " + line.strip("{} ").rstrip(",").replace("'", '"') + "," for line in lines) + "\n}"
+
+
 def write(table, path=None):
     """Put the prices into the twin."""
-    lines = pprint.pformat(table, width=140, sort_dicts=False).splitlines()
-    body = "{\n" + "\n".join("    " + line.strip("{} ").rstrip(",") + "," for line in lines) + "\n}"
-    Path(path or TABLE).write_text(_HEAD.format(table=body, **committed()))
+    Path(path or TABLE).write_text(_HEAD.format(table=listing(table), **committed()))

@@ -1,8 +1,7 @@
 """The three times that decide whether the firmware keeps pace with its lidar, for one run with everything on: `host.budget` shows them."""
 
+from host.twin import Observer, image, run
 from planner import reasons
-
-from host.twin import Watch, image, run
 
 from . import calibrate, costs, scans
 from .measure import Bench
@@ -26,9 +25,9 @@ def times(firmware=image.FIRMWARE):
 
 def start(firmware=image.FIRMWARE):
     """ms from main.py's first line to the first decision on the twin, None if there is none in 20 s."""
-    watch = _Turning()
-    run("Z", width=550, watch=watch, firmware=firmware, limit_s=_LIMIT_S, record=False, chip=1.0)
-    return None if watch.first_us is None else round(watch.first_us / 1000)
+    observer = _Turning()
+    run("Z", width=550, watch=observer, firmware=firmware, limit_s=_LIMIT_S, record=False, chip=1.0)
+    return None if observer.first_us is None else round(observer.first_us / 1000)
 
 
 def worst(named, calls):
@@ -52,7 +51,7 @@ def _ms(rows):
     return (costs.us(int(rows[:, 1].sum())) + int(rows[-1, 5])) / 1000
 
 
-class _Turning(Watch):
+class _Turning(Observer):
     """Has the lidar turn before the firmware starts, and notes when the first decision is made."""
 
     def __init__(self):

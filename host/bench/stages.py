@@ -15,7 +15,7 @@ WORDS = {
     "act": "steering of all wheels, register bursts of three chips",
     "reaction": "last byte that shows something new to first register byte",
 }
-POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN, STOP, START, PAPER_FULL = (KINDS.index(name) for name in KINDS[1:])
+POLL, PLACE, GUARD, WORK, UPDATE, COMMAND, POINTS, PAPER, PLAIN, FEED, TURN, STOP, _START, PAPER_FULL = (KINDS.index(name) for name in KINDS[1:])
 
 
 @dataclass
@@ -40,7 +40,6 @@ class Samples:
     plain: list = field(default_factory=list)
     plain_of: list = field(default_factory=list)
     points: list = field(default_factory=list)
-    start: list = field(default_factory=list)  # from the start of main.py to the first decision
     count: int = 0
 
     def extend(self, other):
@@ -56,7 +55,7 @@ def samples(log, modelled):
     """Samples of one log. modelled: its values are instructions on the ESP32, and the bus counts; else us here, and it does not."""
     out = Samples()
     scale = costs.us(1) if modelled else 1.0
-    frame = whole = since = command = started = 0.0
+    frame = whole = since = command = 0.0
     last = last_whole = 0.0  # what the decision made last took: since the one before, and with all its slices if it was made in full
     period, before, turn, waited = 1e4, None, 0.0, 0.0
     pending = None  # what a reaction has taken until now, and when the guard saw it
@@ -85,8 +84,6 @@ def samples(log, modelled):
                 out.count += 1
                 last, since = since, 0.0
             if extra == 1:
-                if not out.whole:
-                    out.start.append(started + now)
                 out.whole.append(whole)
                 last_whole, whole = whole, 0.0
         elif kind == COMMAND:
@@ -118,8 +115,6 @@ def samples(log, modelled):
             out.plain_of.append(last_whole)
         elif kind == TURN:
             turn = extra * scale
-        elif kind == START:
-            started = us
     return out
 
 
@@ -144,7 +139,6 @@ def figures(here, modelled, heap):
             "worst_us_here": _round(max(here.whole)),
             "median_us_here": _round(np.median(here.whole)),
         },
-        "start_ms_esp32": _round(max(modelled.start) / 1000),
         "heap_bytes_per_loop": max(one["worst"] for one in heap),
         "buffers_bytes_esp32": max(one["buffers"] for one in heap),
         "ratio_to_paper": _ratio(here.paper, here.paper_of),

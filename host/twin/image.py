@@ -62,14 +62,18 @@ def sizes(firmware=FIRMWARE):
 
 
 _MAKE_TABLES = """
-import sys
+import json, sys
 root, firmware, robot, target = sys.argv[1:]
 sys.path[:0] = [firmware + "/lib", root]
 from host import compat
 compat.install(firmware)
-from params.config import load
+from params.config import Config
 from planner.tables import save
-save(load(robot), target)
+try:
+    config = Config(json.load(open(robot)))
+except ValueError:
+    sys.exit(3)
+save(config, target)
 """
 
 
@@ -89,8 +93,10 @@ def tables(config_text, firmware=FIRMWARE):
             robot, made = Path(folder) / "robot.json", Path(folder) / "tables.bin"
             robot.write_text(config_text)
             done = subprocess.run([sys.executable, "-c", _MAKE_TABLES, str(ROOT), str(firmware), str(robot), str(made)], capture_output=True)
-            if done.returncode:
+            if done.returncode == 3:
                 return None
+            if done.returncode:
+                raise ValueError(f"{firmware} makes no tables:\n{done.stderr.decode(errors='replace').strip()}")
             os.replace(made, kept)
     os.utime(kept.parent)
     return kept
