@@ -20,7 +20,7 @@ COURSES = (
     {"course": "Z", "width": 550, "seed": 3, "limit_s": 12},
     {"course": "Z", "width": 450, "seed": 2, "limit_s": 12},
     {"course": "Z", "width": 580, "seed": 1, "mode": "naws", "limit_s": 12},
-    {"course": "U", "width": 600, "seed": 1, "limit_s": 12},
+    {"course": "U", "width": 600, "seed": 1, "limit_s": 12, "changes": {"screen.kind": "nextion"}},
     {"course": "random", "gap": 400, "seed": 1, "limit_s": 12},
 )
 

@@ -1,5 +1,6 @@
 """The bench: counting instructions, cutting sources into blocks, the figures it gives."""
 
+import ast
 import json
 import shutil
 import textwrap
@@ -260,3 +261,24 @@ def test_the_worst_turn_counts_what_it_calls_and_the_bus():
         ]
     )
     assert figures.worst(named, calls) == (pytest.approx(1.1), pytest.approx(1.0))
+
+
+def arguments(path, *names):
+    """Names of a function's arguments and how many have defaults, found by way of classes in a source."""
+    body = ast.parse(path.read_text()).body
+    for name in names:
+        found = next((node for node in body if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name == name), None)
+        assert found is not None, f"{path}: no {name}"
+        body = found.body
+    return [one.arg for one in found.args.args], len(found.args.defaults)
+
+
+def test_what_is_charged_for_takes_what_the_firmware_passes():
+    """Each wrapper has the arguments of the method that it stands for, or the firmware would fail in the twin alone."""
+    board = scans.image.BOARD / "charge.py"
+    for node in ast.parse(board.read_text()).body:
+        if isinstance(node, ast.FunctionDef) and node.decorator_list:
+            module, _, names = node.decorator_list[0].args[1].value.partition(":")
+            path = scans.image.FIRMWARE / "lib" / (module.replace(".", "/") + ".py")
+            ours, theirs = arguments(board, node.name), arguments(path, *names.split("."))
+            assert len(ours[0]) == len(theirs[0]) and ours[1] == theirs[1], f"charge.py: {node.name}({', '.join(ours[0])}) for {names}({', '.join(theirs[0])})"

@@ -8,7 +8,7 @@ from array import array
 
 import charge
 import lockstep
-from watch import clear_counters, sum_counters
+from sums import clear_counters, sum_counters
 
 _ROWS = 2048
 _DEPTH = 24

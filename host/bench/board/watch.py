@@ -5,8 +5,8 @@ from array import array
 
 import lockstep
 import log
-import micropython
 from log import COMMAND, FEED, GUARD, KINDS, PAPER, PAPER_FULL, PLACE, PLAIN, POINTS, POLL, START, STOP, TURN, UPDATE, WORK
+from sums import clear_counters, sum_counters
 
 from planner.decision import REST
 
@@ -156,26 +156,6 @@ class Stopwatch(Watch):
         gc.disable()
         gc.collect()
         return took
-
-
-@micropython.viper
-def sum_counters(counters: ptr32, costs: ptr32, count: int) -> int:
-    total = 0
-    i = 0
-    while i < count:
-        n = counters[i]
-        if n:
-            total += n * costs[i]
-        i += 1
-    return total
-
-
-@micropython.viper
-def clear_counters(counters: ptr32, count: int):
-    i = 0
-    while i < count:
-        counters[i] = 0
-        i += 1
 
 
 class Counter(Watch):

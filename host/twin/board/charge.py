@@ -151,13 +151,10 @@ def _unload(*names):
 
 
 def _replace(name, module):
-    for place, methods, number in _wrapped[name]:
+    for place, method, number in _wrapped[name]:
         owner = getattr(module, place, None) if place else module
-        for method in methods.split("|"):
-            original = getattr(owner, method, None)
-            if original is not None:
-                break
-        else:
+        original = getattr(owner, method, None)
+        if original is None:
             raise AttributeError("charge.py wraps %s, which is gone" % names[number])
         _originals[number] = original
         setattr(owner, method, _functions[number])
@@ -205,7 +202,7 @@ _prices = []
 
 
 def _wraps(number, name):
-    """The function that follows stands for a method: "module:Class.method" or "module:function"; of several names, a|b, the one there is."""
+    """The function that follows stands for a method: "module:Class.method" or "module:function"."""
     module, _, path = name.partition(":")
     place, _, method = path.rpartition(".")
     _wrapped.setdefault(module, []).append((place, method, number))
@@ -257,6 +254,7 @@ _LINE = const(31)
 _TAKE = const(32)
 _SCREEN = const(33)
 _BUILD = const(34)
+_SORT_NEAR = const(35)
 
 
 @_wraps(_CONFIG, "params.config:Config.__init__")
@@ -354,7 +352,7 @@ def _guard(self, odometry, speed):
     return out
 
 
-@_wraps(_DECIDE, "avoid:Avoid.step|work")
+@_wraps(_DECIDE, "avoid:Avoid.step")
 def _decide(self, odometry):
     enter()
     out = _originals[_DECIDE](self, odometry)
@@ -362,14 +360,14 @@ def _decide(self, odometry):
     return out
 
 
-@_wraps(_OBSERVE, "avoid:Avoid.observe|watch")
+@_wraps(_OBSERVE, "avoid:Avoid.observe")
 def _observe(self, odometry, why, af, ar, v):
     enter()
     _originals[_OBSERVE](self, odometry, why, af, ar, v)
     leave(_OBSERVE, 0, 0)
 
 
-@_wraps(_PREPARE, "planner.collision:CollisionCheck.prepare|aim")
+@_wraps(_PREPARE, "planner.collision:CollisionCheck.prepare")
 def _prepare(self, n, near, stride, floor):
     global _checked, _stride
     enter()
@@ -379,7 +377,7 @@ def _prepare(self, n, near, stride, floor):
     leave(_PREPARE, 0, 0)
 
 
-@_wraps(_CHECK, "planner.collision:CollisionCheck.check|test")
+@_wraps(_CHECK, "planner.collision:CollisionCheck.check")
 def _check(self, px, py, first, last, free, soft, block):
     global _tested
     enter()
@@ -397,7 +395,7 @@ def _score(self, mirroring, free, soft, scores, first, last, stride, af, ar, ext
     return out
 
 
-@_wraps(_BOUNDS, "planner.move_cost:MoveCost.lower_bound|promise")
+@_wraps(_BOUNDS, "planner.move_cost:MoveCost.lower_bound")
 def _bounds(self, mirroring, free, scores, first, af, ar):
     enter()
     out = _originals[_BOUNDS](self, mirroring, free, scores, first, af, ar)
@@ -405,7 +403,7 @@ def _bounds(self, mirroring, free, scores, first, af, ar):
     return out
 
 
-@_wraps(_BEST_FIRST, "planner.move_cost:MoveCost.best_first|keep_promises")
+@_wraps(_BEST_FIRST, "planner.move_cost:MoveCost.best_first")
 def _best_first(self, ways, free, scores, most):
     enter()
     before = _tested
@@ -414,7 +412,7 @@ def _best_first(self, ways, free, scores, most):
     return out
 
 
-@_wraps(_CHOOSE_FIRST, "planner.two_step:TwoStep.choose_first|pick")
+@_wraps(_CHOOSE_FIRST, "planner.two_step:TwoStep.choose_first")
 def _choose_first(self):
     enter()
     out = _originals[_CHOOSE_FIRST](self)
@@ -422,7 +420,7 @@ def _choose_first(self):
     return out
 
 
-@_wraps(_TRY_SECOND, "planner.two_step:TwoStep.try_second|expand")
+@_wraps(_TRY_SECOND, "planner.two_step:TwoStep.try_second")
 def _try_second(self):
     enter()
     out = _originals[_TRY_SECOND](self)
@@ -437,7 +435,7 @@ def _follow(self, odometry):
     leave(_FOLLOW, 0, 0)
 
 
-@_wraps(_COST_TO_GO, "planner.cost_to_go:CostToGo.step|work")
+@_wraps(_COST_TO_GO, "planner.cost_to_go:CostToGo.step")
 def _cost_to_go(self, odometry, points):
     enter()
     out = _originals[_COST_TO_GO](self, odometry, points)
@@ -545,11 +543,19 @@ def _screen(self, now_us, robot, link):
 
 
 @_wraps(_BUILD, "core.start:build")
-def _build():
+def _build(path="robot.json"):
     enter()
-    out = _originals[_BUILD]()
+    out = _originals[_BUILD](path)
     leave(_BUILD, 0, 0)
     settle()
+    return out
+
+
+@_wraps(_SORT_NEAR, "perception.windows:Windows.sort_near")
+def _sort_near(self, px, py, n):
+    enter()
+    out = _originals[_SORT_NEAR](self, px, py, n)
+    leave(_SORT_NEAR, n, 0)
     return out
 
 
