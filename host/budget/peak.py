@@ -18,7 +18,9 @@ from . import trace
 ROUNDS = 100
 TURNS_A_ROUND = 400
 _PORTION = 16  # bytes the firmware reads from the line in one turn of its loop
-_STEP = 1024
+_STEP = 256
+_HEAP = 256 * 1024
+_MOST = 32 * 1024
 
 
 @dataclass
@@ -76,7 +78,7 @@ def live_after(config: dict, rounds: int, firmware: Path = image.FIRMWARE) -> tu
 
 
 def highest(config: dict, firmware: Path = image.FIRMWARE, rounds: int = 4) -> int:
-    """Bytes: the least heap, in steps of 1 KiB, in which the rounds pass and every command is obeyed."""
+    """Bytes over the live data: the least that must be free, in steps of 256, for the rounds to pass and every command to be obeyed."""
     turns = rounds * TURNS_A_ROUND + 2000
     with trace.board(config, firmware, commands(rounds)) as folder:
         large = trace.start(folder, turns=turns)
@@ -84,17 +86,17 @@ def highest(config: dict, firmware: Path = image.FIRMWARE, rounds: int = 4) -> i
         if large.live is None or wanted.refused:
             raise trace.Failed(f"refused even in a heap of 1 MiB: {json.dumps(wanted.refused[:3])}")
 
-        def passes(heap: int) -> bool:
-            run = trace.start(folder, heap=heap, turns=turns)
+        def passes(free: int) -> bool:
+            run = trace.start(folder, turns=turns, heap=_HEAP, leave=free)
             if run.live is None:
                 return False
             got = answers(run.output)
             return not got.refused and got.replies == wanted.replies and got.parameters == wanted.parameters
 
-        low, high = large.live // _STEP * _STEP, (large.live + large.stubs + 96 * 1024) // _STEP * _STEP
+        low, high = 0, _MOST
         if not passes(high):
-            raise trace.Failed(f"not in a heap of {high} bytes, though {large.live} are live")
+            raise trace.Failed(f"not even with {high} bytes free beside the live data")
         while high - low > _STEP:
             middle = (low + high) // 2 // _STEP * _STEP
             low, high = (low, middle) if passes(middle) else (middle, high)
-        return trace.objects(high) - large.stubs
+        return high

@@ -23,10 +23,9 @@ def measure(config: dict, firmware: Path = image.FIRMWARE) -> dict:
     """The figures that `--json` prints. config: a robot.json; its own options are those of "usb"."""
     pieces = trace.native_pieces(firmware)
     lives = live(config, firmware)
-    highest = peak.highest(config, firmware) if lives["usb"] else None
     return {
         "live_bytes": lives,
-        "peak_bytes": highest - lives["usb"] if highest and lives["usb"] else None,
+        "peak_bytes": peak.highest(config, firmware) if lives["usb"] else None,
         "native_bytes": sum(map(sum, pieces.values())),
         **_times(firmware),
         "word_bytes": micropython.find().word_bytes,

@@ -77,10 +77,10 @@ def board(config: dict, firmware: Path = image.FIRMWARE, commands: bytes = b""):
         yield folder
 
 
-def start(folder: Path, what: str = "end", heap: int = LARGE, turns: int = TURNS) -> "Run":
-    """Run the firmware of a board's folder. heap: bytes, the collector's tables included. Raises Failed."""
+def start(folder: Path, what: str = "end", heap: int = LARGE, turns: int = TURNS, leave: int = 0) -> "Run":
+    """Run the firmware of a board's folder. heap: bytes, the collector's tables included; leave: of it, once the loop runs; 0: all. Raises Failed."""
     port = micropython.find()
-    command = [*port.command, "-X", f"heapsize={heap * port.heap_factor}", "board/measure.py", what, str(turns), str(bare())]
+    command = [*port.command, "-X", f"heapsize={heap * port.heap_factor}", "board/measure.py", what, str(turns), str(bare()), str(leave)]
     with open(folder / "commands.bin", "rb") as commands:
         done = subprocess.run(command, cwd=folder, stdin=commands, capture_output=True, timeout=_PATIENCE_S, env={**os.environ, "PYTHONHASHSEED": "0"})
     told = folder / "told"

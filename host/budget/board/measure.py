@@ -1,12 +1,12 @@
 """Runs main.py with the stub devices and writes down what it takes of the memory, line by line, into the file `told`.
 
-    micropython measure.py WHAT TURNS BARE
+    micropython measure.py WHAT TURNS BARE LEAVE
 
 WHAT    trace     the start: "code MODULE" as a module's file is about to be loaded, "heap MODULE live" after it, "uart", "radio"
         rooms     what each module takes: "import MODULE depth bytes names", then "array MODULE bytes"
         end       nothing but the end
 In each case "live BYTES" after TURNS turns of the loop that sleep, or "failed EVENTS": no memory after so many events. BARE: bytes of the heap that
-count though they were there before, as they are on the board: what the interpreter itself has in it.
+count though they were there before, as they are on the board: what the interpreter itself has in it. LEAVE: if not 0, all of the heap but so many bytes is taken away once the loop runs.
 """
 
 import gc
@@ -15,6 +15,7 @@ import sys
 _WHAT = sys.argv[1]
 _TURNS = int(sys.argv[2])
 _BARE = int(sys.argv[3])
+_LEAVE = int(sys.argv[4])
 sys.path[:] = ["", "board", "lib"]
 
 import builtins
@@ -42,6 +43,8 @@ sys.modules["os"] = _Os
 _datagrams = open("datagrams.bin", "rb")
 _told = open("told", "w")
 _import = builtins.__import__
+_SETTLED = 350  # turns after which the loop has what it keeps
+_BLOCK = 256
 _LISTENS = 1000  # turns from one greeting over WiFi to the next
 _events = 0
 _turns = 0
@@ -121,6 +124,20 @@ def _arrays():
     print("loaded", *list(sys.modules))
 
 
+_held = []
+
+
+def _take_all_but(count):
+    """Fill the heap, so that this is all that is left for what comes and goes."""
+    gc.collect()
+    blocks = (gc.mem_free() - count) // _BLOCK
+    _held.extend([None] * blocks)  # its own size counts as well: what it took is given back below
+    gc.collect()
+    blocks = (gc.mem_free() - count) // _BLOCK
+    for k in range(blocks):
+        _held[k] = bytes(_BLOCK - 17)  # with its head and its last zero that is a block
+
+
 def _send():
     """Put the next datagram where the firmware's socket finds it."""
     head = _datagrams.read(2)
@@ -131,6 +148,8 @@ def _send():
 def _turn():
     global _turns
     _turns += 1
+    if _turns == _SETTLED and _LEAVE:
+        _take_all_but(_LEAVE)
     if _turns % _LISTENS == 100 and "socket" in sys.modules:
         _send()
     if _turns == _TURNS:
