@@ -124,11 +124,11 @@ def test_our_start_fits_the_chip(option):
 
 @with_the_boards_words
 def test_a_hundred_rounds_of_everything_leave_the_heap_as_it_was():
-    few, _ = peak.live_after(CONFIG, 2)
+    few, _ = peak.live_after(CONFIG, 10)
     many, said = peak.live_after(CONFIG, peak.ROUNDS)
     assert not said.refused and said.replies == 6 * peak.ROUNDS
     assert said.hellos >= peak.ROUNDS
-    assert many - few < 256  # what the collector takes for a pointer differs from time to time
+    assert many - few < 512  # what the collector takes for a pointer differs from time to time
 
 
 # --- the command
