@@ -68,7 +68,7 @@ sys.path[:0] = [firmware + "/lib", root]
 from host import compat
 compat.install(firmware)
 from params.config import Config
-from planner.tables import save
+from planner.make_tables import save
 try:
     config = Config(json.load(open(robot)))
 except ValueError:

@@ -4,12 +4,12 @@ import os
 import sys
 
 from params.config import Config
-from planner import tables
+from planner import make_tables, tables
 from planner.candidates import Candidates
 from planner.cost_to_go import CostToGo
 
 _FOLDER = "tables_test"
-_MAKERS = ("candidate_set", "candidate_arcs", "candidate_rings", "candidate_strips", "footprint_masks", "primitives", "primitives_naws")
+_MAKERS = ("make_tables", "candidate_set", "candidate_arcs", "candidate_rings", "candidate_strips", "footprint_masks", "primitives", "primitives_naws")
 
 
 def _in_a_robots_folder(check):
@@ -29,7 +29,7 @@ def _in_a_robots_folder(check):
 
 
 def _all(config):
-    return [bytes(a) for a in tables.candidates(config)] + [bytes(a) for a in tables.cost_to_go(config)]
+    return [bytes(a) for a in tables.load(config, 0)] + [bytes(a) for a in tables.load(config, 1)]
 
 
 def _content():
@@ -44,12 +44,13 @@ def _put(content):
 
 def _nothing_is_made(config):
     """The tables of a config, where no code that makes them may be loaded."""
-    original = tables._make
-    tables._make = None
+    original = make_tables.make
+    make_tables.make = None
+    sys.modules["planner.make_tables"] = make_tables
     try:
         return _all(config)
     finally:
-        tables._make = original
+        make_tables.make = original
 
 
 def test_the_board_reads_what_was_saved_and_makes_nothing():
@@ -58,7 +59,7 @@ def test_the_board_reads_what_was_saved_and_makes_nothing():
             config = Config({"mode": mode})
             made = _all(config)
             os.remove("tables.bin")
-            tables.save(config, "tables.bin")
+            make_tables.save(config, "tables.bin")
             assert _nothing_is_made(config) == made
 
     _in_a_robots_folder(check)
@@ -70,7 +71,7 @@ def test_what_the_board_made_it_finds_again():
         made = _all(config)
         assert _nothing_is_made(config) == made
         found = _content()
-        tables.save(config, "tables.bin")
+        make_tables.save(config, "tables.bin")
         assert _content() == found
 
     _in_a_robots_folder(check)

@@ -42,7 +42,7 @@ class Draft:
         self.used = 0  # of seconds
 
     def arrays(self):
-        """As tables.candidates() gives them."""
+        """As tables.load() gives them."""
         return self.af, self.ar, self.lengths, self.consts, self.table, self.seconds[: self.used], self.strips, self.ends, self.turns
 
 

@@ -4,7 +4,7 @@ Turning about a fixed centre C, the body sweeps a ring sector: a point at distan
 radius d, followed against the turn, leads from the point into the body's outline. Where that happens depends on d
 alone, so for every candidate a table over d holds the angle at which its ring enters the outline, and, for the few rings
 that enter it twice, the second one. With the centre at infinity (straight and crab) the ring is a strip and the outline two slopes.
-sweep.py tests points against these tables.
+collision.py tests points against these tables.
 
 Only forward candidates that turn right are tabulated. Left is the same test on points mirrored in x, backward on
 points mirrored in y, so a mirrored course gives mirrored answers by construction.
@@ -42,7 +42,7 @@ class Candidates:
     def __init__(self, config):
         from planner import tables
 
-        self.af, self.ar, self.lengths, self.consts, self.table, self.seconds, self.strips, self.ends, self.turns = tables.candidates(config)
+        self.af, self.ar, self.lengths, self.consts, self.table, self.seconds, self.strips, self.ends, self.turns = tables.load(config, 0)
         tables = None
         unload("planner.tables")
         self.count = len(self.af)

@@ -125,7 +125,7 @@ class CostToGo:
     def __init__(self, config):
         from planner import tables
 
-        self._masks, self._primitives, self._rim = tables.cost_to_go(config)
+        self._masks, self._primitives, self._rim = tables.load(config, 1)
         tables = None
         unload("planner.tables")
         cell = config.robot_length * 8 // 12
