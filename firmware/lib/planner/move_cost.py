@@ -50,10 +50,10 @@ def in_a_slice(n):
 
 
 @micropython.viper
-def _score(cost, ends: ptr16, turns: ptr16, af: ptr16, ar: ptr16, lengths: ptr16, free: ptr16, score: ptr16, checked: ptr8, job: ptr32, poses):
+def _score(cost, ends: ptr16, turns: ptr16, af: ptr16, ar: ptr16, lengths: ptr16, free: ptr16, soft: ptr16, score: ptr16, checked: ptr8, job: ptr32, poses):
     """What each travel of each candidate costs: score[5 k + i] = travel + cost to go of the pose where it ends + cost of the steering, mm.
 
-    For each candidate: the poses where its travels end, in the grid; what the cost to go is there; then the sums. 65535 where the travel is
+    For each candidate: what its points cost; the poses where its travels end, in the grid; what the cost to go is there; then the sums. 65535 where the travel is
     longer than the candidate's free length; with job[_BOUND] that becomes 65535 first, and the candidate one not checked yet. poses: room for 5, as for sample()
     """
     pose = ptr32(poses)
@@ -66,13 +66,23 @@ def _score(cost, ends: ptr16, turns: ptr16, af: ptr16, ar: ptr16, lengths: ptr16
     k = job[_FIRST]
     last = job[_LAST]
     while k < last:
+        more = job[_EXTRA]
         if job[_BOUND]:
             free[k] = _FREE
             checked[k] = 0
+        f = free[k]
+        if f < _FREE:
+            # A way that closes soon, or is passed narrowly, is expensive whatever part of it is driven: the rest comes next.
+            x = job[_WAY]
+            y = soft[k]
+            if f < x:
+                more += (x - f) >> 1
+            if y < x:
+                more += (x - y) >> 2
         n = 0
         p = 0
         at = k * 5
-        while n < 5 and lengths[n] <= free[k]:
+        while n < 5 and lengths[n] <= f:
             x = ends[2 * at] - 8192
             y = ends[2 * at + 1] - 8192
             turn = (turns[at] ^ 0x8000) - 0x8000
@@ -112,7 +122,7 @@ def _score(cost, ends: ptr16, turns: ptr16, af: ptr16, ar: ptr16, lengths: ptr16
         y += 1800 - job[_AR]
         if y < 0:
             y = 0 - y
-        more = ((at * job[_STEERING] + (x + y) * job[_CHANGE]) >> 10) + job[_EXTRA]
+        more += (at * job[_STEERING] + (x + y) * job[_CHANGE]) >> 10
         at = k * 5
         p = 0
         while p < 5:
@@ -120,34 +130,6 @@ def _score(cost, ends: ptr16, turns: ptr16, af: ptr16, ar: ptr16, lengths: ptr16
             if p < n:
                 score[at + p] = lengths[p] + pose[p * 3] + more
             p += 1
-        k += job[_STRIDE]
-
-
-@micropython.viper
-def _add_points(score: ptr16, free: ptr16, soft: ptr16, lengths: ptr16, job: ptr32):
-    """Take out the travels longer than what is free; add what a closed way and narrow passing cost."""
-    k = job[_FIRST]
-    last = job[_LAST]
-    way = job[_WAY]
-    while k < last:
-        cost = 0
-        # A way that closes soon, or is passed narrowly, is expensive whatever part of it is driven: the rest comes next.
-        f = free[k]
-        if f < way:
-            cost = (way - f) >> 1
-        v = soft[k]
-        if v < way:
-            cost += (way - v) >> 2
-        at = k * 5
-        i = 0
-        while i < 5:
-            v = score[at]
-            if lengths[i] > f:
-                score[at] = 65535
-            elif v < 65000:
-                score[at] = v + cost
-            at += 1
-            i += 1
         k += job[_STRIDE]
 
 
@@ -184,21 +166,23 @@ def suppress(score: ptr16, ends: ptr16, turns: ptr16, count: int, at: int, radiu
     y0 = ends[at * 2 + 1]
     a0 = turns[at] ^ 0x8000
     i = 0
+    at = 0
     last = count * 5
     while i < last:
-        if score[i] < 65535:
-            d = ends[i * 2] - x0
-            if d < 0:
-                d = 0 - d
-            e = ends[i * 2 + 1] - y0
-            if e < 0:
-                e = 0 - e
-            d += e
-            e = (turns[i] ^ 0x8000) - a0
-            if e < 0:
-                e = 0 - e
-            if d + (e * reach >> 9) < radius:
-                score[i] = 65535
+        d = ends[at] - x0
+        if d < 0:
+            d = 0 - d
+        at += 1
+        e = ends[at] - y0
+        if e < 0:
+            e = 0 - e
+        at += 1
+        d += e
+        e = (turns[i] ^ 0x8000) - a0
+        if e < 0:
+            e = 0 - e
+        if d + (e * reach >> 9) < radius:
+            score[i] = 65535
         i += 1
 
 
@@ -261,9 +245,9 @@ class MoveCost:
         job[_EXTRA] = extra
         job[_BOUND] = bound
 
-    def _run(self, free, scores):
+    def _run(self, free, soft, scores):
         env = self._candidates
-        _score(self.cost_to_go.cost, env.ends, env.turns, env.af, env.ar, env.lengths, free, scores, self.checked, self._job, self._poses)
+        _score(self.cost_to_go.cost, env.ends, env.turns, env.af, env.ar, env.lengths, free, soft, scores, self.checked, self._job, self._poses)
 
     def score(self, mirroring, free, soft, scores, first, last, stride, af, ar, extra):
         """Fill the scores of candidates first, first + stride, ... before last in a mirroring.
@@ -271,8 +255,7 @@ class MoveCost:
         free, soft: their free lengths (collision.py). af, ar: the steering now, 0.1 deg. extra: mm on all.
         """
         self._prepare(mirroring, first, last, stride, af, ar, extra, 0)
-        self._run(free, scores)
-        _add_points(scores, free, soft, self._candidates.lengths, self._job)
+        self._run(free, soft, scores)
 
     def lower_bound(self, mirroring, free, scores, first, af, ar):
         """Lower bounds: as score(), as if there were no points, from candidate `first` on, as many as a slice allows. Returns the next one.
@@ -284,7 +267,7 @@ class MoveCost:
             first = env.arcs
         last = min(first + in_a_slice(0), env.ahead_end if first < env.ahead_end else env.count)
         self._prepare(mirroring, first, last, 1, af, ar, 0, 1)
-        self._run(free, scores)
+        self._run(free, free, scores)
         return last
 
     def best_first(self, ways, free, scores, most):
@@ -293,6 +276,7 @@ class MoveCost:
         Returns the number of the best move, NOTHING if none costs `most` or less, -1 if it takes another slice.
         """
         job = self._job
+        job[_BOUND] = 0
         checked = self.checked
         env = self._candidates
         n = ways.drop_behind()
@@ -308,5 +292,5 @@ class MoveCost:
             checked[k] = 1
             job[_FIRST] = k
             job[_LAST] = k + 1
-            _add_points(scores, free, ways.soft, env.lengths, job)
+            self._run(free, ways.soft, scores)
         return -1
