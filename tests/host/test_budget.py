@@ -1,6 +1,7 @@
 """The model of the chip's memory, and our own start played against it."""
 
 import json
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -152,3 +153,54 @@ def test_a_row_that_misses_its_target_says_so():
 def test_an_option_that_is_none_is_refused(capsys):
     assert command_line.main(["--option", "screen"]) == 2
     assert "group.key=value" in capsys.readouterr().err
+
+
+# --- the stand-in for the port's network, which the twin's board has as well
+
+_WIFI = """
+import sys
+sys.path[:] = [{board!r}]
+for name in ("network", "socket"):
+    sys.modules.pop(name, None)
+import network, socket, select
+said = []
+network.tell = lambda *words: said.append(words)
+def fails(what, *arguments, **named):
+    try:
+        what(*arguments, **named)
+    except OSError as error:
+        return error.args[0]
+wlan = network.WLAN(network.STA_IF)
+assert wlan is network.WLAN(network.WLAN.IF_STA) and not wlan.active()
+assert fails(wlan.connect, "net", "12345678") == "Wifi Not Started"
+assert wlan.active(True) and wlan.active(True) and said == [("radio", "on")]
+wlan.connect("net", "wrong-one")
+assert not any([wlan.isconnected() for _ in range(5)]) and wlan.status() == network.STAT_WRONG_PASSWORD
+wlan.disconnect()
+wlan.connect("nowhere", "12345678")
+assert not any([wlan.isconnected() for _ in range(5)]) and wlan.status() == network.STAT_NO_AP_FOUND
+wlan.disconnect()
+wlan.connect("net", "12345678")
+assert fails(wlan.connect, "net", "12345678") == "Wifi Internal State Error"
+assert [wlan.isconnected() for _ in range(3)] == [False, False, True] and wlan.isconnected()
+wlan.lose()
+assert [wlan.isconnected() for _ in range(3)] == [False, False, True]
+network.fails = "Wifi Out of Memory"
+assert fails(wlan.active, True) == "Wifi Out of Memory" and wlan.active(True)
+one = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+address = socket.getaddrinfo("255.255.255.255", 9751)[0][-1]
+socket.busy = 1
+assert fails(one.sendto, b"abc", address) == 12 and one.sendto(b"abc", address) == 3 and socket.sent == 1
+poller = select.poll()
+poller.register(one, select.POLLIN)
+assert not list(poller.ipoll(0)) and fails(one.recvfrom, 9) == 11
+socket.inbox.append((b"hello", ("10.0.0.2", 7)))
+assert list(poller.ipoll(0)) and one.recvfrom(9) == (b"hello", ("10.0.0.2", 7))
+print("as the port")
+"""
+
+
+@pytest.mark.skipif(not WORD_BYTES, reason="no MicroPython here: make setup")
+def test_the_stand_in_for_wifi_behaves_like_the_port():
+    done = subprocess.run([*micropython.find().command, "-c", _WIFI.format(board=str(image.BOARD))], capture_output=True, text=True)
+    assert done.stdout == "as the port\n", done.stderr
