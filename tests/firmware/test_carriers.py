@@ -152,13 +152,18 @@ def test_commands_come_in_piece_by_piece():
     assert found == [protocol.GREET, protocol.LIST]
 
 
+def taken(line, now):
+    """Whether a frame comes within a few turns of the loop, each of which takes in a few bytes."""
+    return any([line.take(now) for _ in range(4)])
+
+
 def test_ctrl_c_counts_outside_frames_only():
     line, source, _, _ = make()
     source.give(frame(protocol.LIST, b"\3\0\0\0"))
-    assert line.take(0)
+    assert taken(line, 0)
     source.give(b"\r\x03")
     try:
-        line.take(0)
+        taken(line, 0)
     except KeyboardInterrupt:
         pass
     else:
@@ -170,12 +175,12 @@ def test_a_broken_frame_is_no_ctrl_c():
     broken = bytearray(frame(protocol.LIST, b"\3\3\3\3"))
     broken[-1] ^= 1
     source.give(bytes(broken))
-    assert not line.take(0)
+    assert not taken(line, 0)
     source.give(frame(protocol.LIST, b"\3\3\3\3")[:10])
-    assert not line.take(1000)
-    assert not line.take(500_000)  # given up
+    assert not taken(line, 1000)
+    assert not taken(line, 500_000)  # given up
     source.give(frame(protocol.KEEP, b"\4\0\0\0"))
-    assert line.take(501_000) and line.decoder.kind == protocol.KEEP
+    assert taken(line, 501_000) and line.decoder.kind == protocol.KEEP
 
 
 def test_a_closed_line_is_left_alone():
@@ -188,7 +193,7 @@ def test_a_flood_does_not_hold_the_loop():
     line, source, _, _ = make()
     source.give(b"x" * 500)
     assert not line.take(0)
-    assert len(source.data) == 500 - 16
+    assert len(source.data) == 500 - 8
 
 
 def test_the_line_allocates_nothing():

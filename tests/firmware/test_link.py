@@ -66,10 +66,14 @@ class Part:
     fault = ""
     battery_low = False
     chips, uptime_ms, heap_free, worst_us, battery_mv = True, 5000, 60000, 4000, 7400
+    stops = 0
     n = 38
     frame_us = 77
     bearings = array("H", range(38))
     distances = array("H", [4000] * 38)
+
+    def stop(self):
+        self.stops += 1
 
 
 class Robot:
@@ -372,8 +376,11 @@ def test_what_cannot_be_is_refused_with_a_text():
 
 def test_names_are_told_to_who_asks():
     link, line, robot = make()
+    run(link, line, robot)
+    assert robot.drive.stops == 0
     line.receive(frame(protocol.GREET, b"\1\0\0\0\1"))
     (names,) = run(link, line, robot)[protocol.NAMES]
+    assert robot.drive.stops  # the motors are off while code is loaded
     assert len(json.loads(names)["reasons"]) > 10 and len(json.loads(names)["faults"]) > 4
 
 

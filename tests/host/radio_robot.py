@@ -50,6 +50,10 @@ class Part:
 class Drive(Part):
     fault = ""
 
+    @staticmethod
+    def stop():
+        pass
+
 
 class Robot:
     avoid = odometry = lidar = health = Part

@@ -24,7 +24,7 @@ _REFUSED = const(1)
 
 
 class Commands:
-    """Takes commands in and holds what they ask for. The Link adds rare(now_us), the module requests.py, and watch(flags), those of WATCH.
+    """Takes commands in and holds what they ask for. The Link adds rare(now_us, robot), the module requests.py, and watch(flags, robot).
 
     config: the Config that is tuned; session: the random bytes of this boot; signer: auth.Signer of the network key, or None, in which case no signed
     command is ever accepted.
@@ -106,13 +106,13 @@ class Commands:
         """Returns the text of the reply."""
         if kind == _DRIVE:
             if len(payload) < 10 or not self._drive(now_us, *struct.unpack_from("<BhhB", payload, 4)):
-                self.rare(now_us).refuse_to_drive(payload)
+                self.rare(now_us, robot).refuse_to_drive(payload)
         elif kind == _WATCH:
-            self.watch(payload[4] if len(payload) > 4 else 0)
+            self.watch(payload[4] if len(payload) > 4 else 0, robot)
         elif kind == _LIST:
             self.listing = 0
         elif kind != _GREET:
-            return self.rare(now_us).carry_out(self, kind, payload, robot)
+            return self.rare(now_us, robot).carry_out(self, kind, payload, robot)
         elif len(payload) > 4 and payload[4] & 1:
             self.greeted = True
         return ""

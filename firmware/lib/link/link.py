@@ -130,24 +130,26 @@ class Link(Commands):
             self._rare = None
             forget("link.requests", "params.settings")
         if self.restarting and ticks_diff(now_us, self._rare_us) > _RESTART_US:
-            self.rare(now_us).restart(robot)
+            self.rare(now_us, robot).restart(robot)
 
     def close(self):
         """Give the carriers back, Ctrl-C among them."""
         for line in self._carriers:
             line.close()
 
-    def rare(self, now_us):
+    def rare(self, now_us, robot):
         if self._rare is None:
+            robot.drive.stop()  # loading takes tens of milliseconds, in which nobody looks ahead
             from link import requests
 
             self._rare = requests
         self._rare_us = now_us
         return self._rare
 
-    def watch(self, flags):
+    def watch(self, flags, robot):
         if flags & (_SCANS_WANTED | _CANDIDATES_WANTED):
             if self._watched is None:
+                robot.drive.stop()
                 from link import watched
 
                 self._watched = watched
@@ -200,7 +202,7 @@ class Link(Commands):
         elif self._asker is not None:
             self._answer(data, now_us)
         else:
-            length = self._once(data, now_us) or self._again(data, now_us, robot)
+            length = self._once(data, now_us, robot) or self._again(data, now_us, robot)
             if length:
                 self._encoder.seal(length)
                 self._send()
@@ -226,7 +228,7 @@ class Link(Commands):
             self._encoder.seal(messages.hello(data, self.session, self.counter, self._identity))
             line.answer(self._encoder)
 
-    def _once(self, data, now_us):
+    def _once(self, data, now_us, robot):
         """The next of the messages that are told once and must not be lost; the length of its payload, 0 when there is none."""
         if self.replies:
             counter, kind, status, text = self.replies.pop(0)
@@ -237,9 +239,9 @@ class Link(Commands):
             return messages.text(_LOG, data, 1, text)
         if self._names_due:
             self._names_due = False
-            return self.rare(now_us).names(data)
+            return self.rare(now_us, robot).names(data, robot)
         if self.listing >= 0:
-            length, total = self.rare(now_us).parameter(data, self.config, self.listing)
+            length, total = self.rare(now_us, robot).parameter(data, self.config, self.listing)
             self.listing = self.listing + 1 if self.listing + 1 < total else -1
             return length
         return 0

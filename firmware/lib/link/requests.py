@@ -88,8 +88,9 @@ def parameter(data, config, number):
     return messages.text(_PARAMETER, data, 0, json.dumps(row).encode()), total
 
 
-def names(data):
+def names(data, robot):
     """NAMES into the encoder's data; returns its length."""
+    robot.drive.stop()  # as before everything that is loaded
     from core.unload import forget
     from link.reason_texts import names
 

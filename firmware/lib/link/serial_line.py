@@ -20,7 +20,7 @@ from micropython import const
 from link.telemetry import Decoder
 
 _COMMAND = const(200)  # longest payload of a command
-_BLOCK = const(16)  # bytes taken in at a time: each costs some 40 us
+_BLOCK = const(8)  # bytes taken in at a time: each costs some 75 us
 _CTRL_C = const(3)
 _STALE_US = const(200_000)  # a frame from USB that is not whole by then never will be
 _FIFO = const(120)  # bytes, of the chip's 128
