@@ -421,6 +421,7 @@ def test_what_counts_from_the_next_start_is_said():
 def test_tune_keep_point_and_list():
     link, line, robot = make()
     line.receive(frame(protocol.TUNE, b"\1\0\0\0avoid.margin=20") + frame(protocol.KEEP, b"\2\0\0\0"))
+    robot.drive.v256 = 0
     line.receive(frame(protocol.POINT, struct.pack(protocol.POINT_FORMAT, 3, 4, -25)) + frame(protocol.LIST, b"\4\0\0\0"))
     kinds = run(link, line, robot)
     assert robot.tuned == [("avoid.margin", 20), "kept", (4, -25)]

@@ -112,7 +112,8 @@ class Commands:
         elif kind == _LIST:
             self.listing = 0
         elif kind != _GREET:
-            return self.rare(now_us, robot).carry_out(self, kind, payload, robot)
+            stood = not robot.drive.v256  # loading the module stops it
+            return self.rare(now_us, robot).carry_out(self, kind, payload, robot, stood)
         elif len(payload) > 4 and payload[4] & 1:
             self.greeted = True
         return ""

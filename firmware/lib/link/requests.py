@@ -17,11 +17,16 @@ _NAMES = const(0x0C)
 _MANUAL = const(2)
 
 
-def carry_out(link, kind, payload, robot):
+def carry_out(link, kind, payload, robot, stood):
     """Do what the command asks; returns the text of its REPLY. ValueError when it cannot be done, with a text for the person.
 
-    payload: without the tag; the counter is its first 4 bytes. link: the Link.
+    payload: without the tag; the counter is its first 4 bytes. link: the Link. stood: whether the robot did when the
+    command came.
     """
+    if kind == _POINT:
+        link.stop()  # whoever turns wheels does not want it to drive
+    if kind in (_POINT, _RESTART) and not stood:
+        raise ValueError("only while it stands: stop it first")
     settings = Settings(link.config, robot.drive, link.changed)
     if kind == _TUNE:
         return _tune(settings, bytes(payload[4:]).decode())
@@ -30,11 +35,8 @@ def carry_out(link, kind, payload, robot):
     elif kind == _POINT:
         if len(payload) < 7:
             raise ValueError("%d bytes are too few" % len(payload))
-        link.stop()
         settings.point(*struct.unpack_from("<Bh", payload, 4))
     elif kind == _RESTART:
-        if robot.drive.v256:
-            raise ValueError("it restarts only while it stands: stop it first")
         link.stop()
         link.restarting = True
     return ""
