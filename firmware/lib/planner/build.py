@@ -58,7 +58,8 @@ def build(self, config):
     decision.renewing = False
     decision.made_at = array("i", (0, 0, 0))  # where the cost to go was begun, and when
     decision.made_us = 0
-    decision.late = False  # whether making it took long, and it has not served yet
+    decision.slow = False  # whether making it took long
+    decision.late = False  # ... and it has not served yet
     decision.travel = 0  # where and when the last single move was chosen
     decision.chosen_us = 0
     decision.frames_first = config.lidar_frames * 5 // 4  # a revolution and a little: before, the map has gaps

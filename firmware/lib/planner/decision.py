@@ -133,8 +133,8 @@ class Decision:
             plan.look()
             self.decided = True
             return REST
-        # This takes longer. With little way left the robot stands meanwhile.
-        if plan.v != 90 and plan.free < self.candidates.lengths[2]:
+        # This takes longer. With little way left, or on a slow chip, the robot stands meanwhile.
+        if plan.v != 90 and (self.slow or plan.free < self.candidates.lengths[2]):
             plan.stand(reasons.LOOKING)
             self.decided = True
         # A cost to go made while the robot stands is fresh however long this takes, or the same would begin again and again.
@@ -217,7 +217,7 @@ class Decision:
             self.made_us = odometry.now_us
         self.renewing = not self.cost_to_go.step(odometry, self.map)
         if not self.renewing:
-            self.late = ticks_diff(odometry.now_us, self.made_us) > _FRESH_US
+            self.slow = self.late = ticks_diff(odometry.now_us, self.made_us) > _FRESH_US
         return self.renewing
 
     def _fits(self, odometry, part, age_us):
