@@ -1,14 +1,16 @@
 """The model of the chip's memory, and our own start played against it."""
 
 import json
+import re
 import subprocess
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from host import micropython
 from host.budget import __main__ as command_line
-from host.budget import chip_memory, peak, targets, trace
+from host.budget import chip_memory, fit, peak, targets, trace
 from host.budget.chip_memory import ChipMemory, NoRoom
 from host.twin import image
 
@@ -204,3 +206,31 @@ print("as the port")
 def test_the_stand_in_for_wifi_behaves_like_the_port():
     done = subprocess.run([*micropython.find().command, "-c", _WIFI.format(board=str(image.BOARD))], capture_output=True, text=True)
     assert done.stdout == "as the port\n", done.stderr
+
+
+# --- what to switch off
+
+
+@pytest.mark.parametrize(
+    "needs_off, told",
+    [
+        ({"screen"}, "switch the screen off: set screen.kind"),
+        ({"wifi"}, "switch the WiFi off: set wifi.ssid"),
+        ({"screen", "wifi"}, "switch off the screen .* and the WiFi"),
+        ({"everything"}, "needs a board with PSRAM"),
+    ],
+)
+def test_what_to_switch_off_is_the_least_that_helps(monkeypatch, needs_off, told):
+    def problem(config, firmware):
+        on = {"screen"} if config["screen"]["kind"] != "none" else set()
+        on |= {"wifi"} if config["wifi"]["ssid"] else set()
+        on |= {"everything"}
+        return ("no room" if on & needs_off else ""), 0
+
+    monkeypatch.setattr(fit, "_problem", problem)
+    monkeypatch.setattr(fit.micropython, "find", lambda: SimpleNamespace(word_bytes=4))
+    settings = json.dumps(trace.merged(CONFIG, trace.OPTIONS["screen"])).encode()
+    with pytest.raises(fit.DoesNotFit, match="no room") as refused:
+        fit.check(settings, image.FIRMWARE)
+    assert re.search(told, refused.value.remedy)
+    assert "not checked" in fit.check(b"{", image.FIRMWARE)
