@@ -66,7 +66,7 @@ class Part:
     fault = ""
     battery_low = False
     chips, uptime_ms, heap_free, worst_us, battery_mv = True, 5000, 60000, 4000, 7400
-    stops = 0
+    stops = told_v256 = 0
     n = 38
     frame_us = 77
     bearings = array("H", range(38))

@@ -112,8 +112,8 @@ class Commands:
         elif kind == _LIST:
             self.listing = 0
         elif kind != _GREET:
-            stood = not robot.drive.v256  # loading the module stops it
-            return self.rare(now_us, robot).carry_out(self, kind, payload, robot, stood)
+            driven = robot.drive.told_v256 != 0  # until the module is loaded
+            return self.rare(now_us, robot).carry_out(self, kind, payload, robot, driven)
         elif len(payload) > 4 and payload[4] & 1:
             self.greeted = True
         return ""

@@ -17,16 +17,16 @@ _NAMES = const(0x0C)
 _MANUAL = const(2)
 
 
-def carry_out(link, kind, payload, robot, stood):
+def carry_out(link, kind, payload, robot, driven):
     """Do what the command asks; returns the text of its REPLY. ValueError when it cannot be done, with a text for the person.
 
-    payload: without the tag; the counter is its first 4 bytes. link: the Link. stood: whether the robot did when the
-    command came.
+    payload: without the tag; the counter is its first 4 bytes. link: the Link. driven: whether the motors were on when
+    the command came.
     """
     if kind == _POINT:
         link.stop()  # whoever turns wheels does not want it to drive
-    if kind in (_POINT, _RESTART) and not stood:
-        raise ValueError("only while it stands: stop it first")
+    if kind == _POINT and driven or kind == _RESTART and robot.drive.v256:
+        raise ValueError("it must stand for that: stop it first")
     settings = Settings(link.config, robot.drive, link.changed)
     if kind == _TUNE:
         return _tune(settings, bytes(payload[4:]).decode())
