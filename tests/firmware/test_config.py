@@ -179,3 +179,8 @@ def test_the_margins_go_with_the_body():
     for length, margin, soft in ((400, 9, 30), (600, 9, 30), (1200, 18, 60)):
         config = Config({"robot": {"length": length}, "axles": {"spacings": [100, 100]}})
         assert (config.avoid_margin, config.avoid_soft_margin) == (margin, soft), length
+
+
+def test_a_screen_has_a_line_of_its_own():
+    assert Config({"screen": {"kind": "nextion"}}).screen_kind == "nextion"
+    assert _refusal({"screen": {"kind": "nextion", "tx": 27}}) == "screen.tx = 27: already the pin of lidar.motor_pin"

@@ -1,5 +1,6 @@
 """drive.py and outputs.py, seen at the registers of the chips."""
 
+from array import array
 from math import exp
 from time import ticks_add
 
@@ -7,6 +8,7 @@ import micropython
 from fake_chips import FakeBus, FakePin
 
 from actuation.drive import Drive
+from actuation.outputs import Outputs
 from params.change import change
 from params.config import Config
 from pca9685 import PCA9685
@@ -654,3 +656,40 @@ def test_nothing_is_allocated_while_driving():
     finally:
         micropython.heap_unlock()
     assert drive.ok
+
+
+def test_an_update_is_due_once_a_period():
+    robot = _Robot()
+    assert robot.drive.due(0)
+    robot.step()
+    assert not robot.drive.due(PERIOD_US - 1) and robot.drive.due(PERIOD_US)
+
+
+def test_less_than_full_speed_backward_is_full_speed_backward():
+    robot = _Robot().ready()
+    robot.drive.command(0, 0, -5)
+    robot.step(200)
+    assert robot.speeds() == [-4096] * 10
+
+
+def test_a_stop_and_the_end_do_without_a_chip_that_is_gone():
+    robot = _Robot().ready()
+    robot.drive.command(0, 0, 120)
+    robot.step(30)
+    robot.bus.chips[LEFT].present = False
+    robot.step(60)
+    robot.drive.stop()
+    robot.drive.off()
+    assert robot.enable.level == 1 and not any(robot.bus.chips[RIGHT].counts(10))
+
+
+def test_a_wheel_in_the_turning_centre_is_not_driven():
+    robot = _Robot()
+    chips = [PCA9685(robot.bus, address) for address in (SERVOS, LEFT, RIGHT)]
+    outputs = Outputs(chips[0], chips[1], chips[2], None, robot.config)
+    assert outputs.write(array("h", [0] * 10), array("h", [16384] + [0] * 9), 5000)
+    assert [speed != 0 for speed in robot.speeds()] == [True] + [False] * 9
+    robot.bus.chips[LEFT].present = False
+    outputs.motors_off()
+    assert not outputs.ok
+    outputs.motors_off()  # nothing is left to be switched off

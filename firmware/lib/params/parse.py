@@ -72,8 +72,6 @@ def _default(config, row):
         return _value(config, row, value)
     if key == "axles.first":
         return sum(config.axles_spacings) / 2
-    if kind == "pin":
-        return None
     step = 2 if kind == "pairs" else 1
     return array("h", [k * step for k in range(_length(config, kind))])
 

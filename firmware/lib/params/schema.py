@@ -17,7 +17,7 @@ wheels      list, one value for each wheel: axle 1 left, axle 1 right, axle 2 le
 signs       likewise, each 1 or -1
 pairs       list, one value for each axle
 
-A default of null: for axles.first half the sum of the spacings, for channels 0, 1, 2, ... (wheels) or 0, 2, 4, ... (pairs), for a pin none,
+A default of null: for axles.first half the sum of the spacings, for channels 0, 1, 2, ... (wheels) or 0, 2, 4, ... (pairs),
 for the planning window and the margins a share of the body's length (parse.py).
 The attribute of `Config` is the key with a dot turned into an underscore: lidar.baud is config.lidar_baud.
 """

@@ -1,5 +1,6 @@
 """What a person changes while the robot runs, and keeps: live parameters and servo trims."""
 
+import gc
 import json
 
 from core.unload import unload
@@ -50,6 +51,7 @@ class Settings:
         The robot stands meanwhile.
         """
         self._drive.stop()
+        gc.collect()  # room in one piece, for the text of the file
         changed = {}
         for key, value in self._changed.items():
             if key.startswith("servos.trims."):
