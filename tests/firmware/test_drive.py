@@ -693,3 +693,15 @@ def test_a_wheel_in_the_turning_centre_is_not_driven():
     outputs.motors_off()
     assert not outputs.ok
     outputs.motors_off()  # nothing is left to be switched off
+
+
+def test_where_a_tenth_of_a_degree_turns_a_wheel_far_the_robot_swings_standing():
+    """Near the spin the turning centre lies among the wheels: no fraction of the way is small enough for a slow servo."""
+    robot = _Robot({"servos": {"rate": 20, "swing": 180}})
+    robot.step(600)
+    robot.drive.command(-900, -870, 90)
+    robot.step(600)
+    assert not robot.drive.turning
+    robot.drive.command(-899, -870, 108)
+    robot.step()
+    assert robot.drive.turning and robot.stands() and robot.drive.aim.af == -899
