@@ -80,7 +80,7 @@ save(config, target)
 def tables(config_text, firmware=FIRMWARE):
     """File of the planner's tables for a robot.json, as the firmware in the folder makes them; None if it keeps none or refuses the robot.json."""
     firmware = Path(firmware).resolve()
-    if not (firmware / "lib" / "planner" / "tables.py").is_file():
+    if not (firmware / "lib" / "planner" / "make_tables.py").is_file():
         return None
     digest = hashlib.sha256(config_text.encode())
     for folder in ("params", "planner", "core"):

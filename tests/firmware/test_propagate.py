@@ -83,12 +83,12 @@ class _Case:
                 yield row * _N + i, c
 
     def _sum(self, here, step):
-        """A cost and that of a step, sixteenths of a cell: above 192 units are four times as large."""
+        """A cost and that of a step, sixteenths of a cell: above 216 units are four times as large."""
         unit = 1 << self.shift
-        if here >= 192:
+        if here >= 216:
             return here + (step + 2 * unit) // (4 * unit)
         c = here + (step + unit // 2) // unit
-        return c if c <= 192 else 192 + (c - 192) // 4
+        return c if c <= 216 else 216 + (c - 216) // 4
 
 
 def test_costs_are_those_of_a_plain_search():

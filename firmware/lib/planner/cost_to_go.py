@@ -24,8 +24,8 @@ from planner import heading_branch
 from planner.cost_grid import clear, close, cover, seed
 from planner.propagate import propagate
 
-_POINTS = const(37)  # closed in one slice
-_WORK = const(1000)  # propagated in one slice
+_POINTS = const(26)  # closed in one slice
+_WORK = const(940)  # propagated in one slice
 _N = const(28)
 _TURNS = const(12)
 _ROWS = const(336)
@@ -34,7 +34,7 @@ _STATES = const(9408)
 _OUT = const(255)  # cost of what is closed or not reached
 _TRAIL = const(120)  # points, one each cell's length
 _TRAIL_GAP = const(10)  # those behind the centre that are still under the body
-_KNEE = const(192)  # of costs: see propagate.py
+_KNEE = const(216)  # of costs: see propagate.py
 # log2 of sixteenths of a cell in a unit of cost; where the last axle stays straight, to and fro costs more
 _UNIT = const(2)
 _UNIT_NAWS = const(3)

@@ -1,6 +1,6 @@
 """Propagating the cost to go from the rim of the grid inwards, along the motion primitives.
 
-    cost     a byte a pose, (orientation * 28 + y) * 28 + x: 0..192 units of the cost to go, from there on 193..253 fours of units, 254 that or more,
+    cost     a byte a pose, (orientation * 28 + y) * 28 + x: 0..216 units of the cost to go, from there on 217..253 fours of units, 254 that or more,
              255 closed or not reached
     masks    a 32-bit word a row (orientation * 28 + y), a bit a column: closed, near, and fallen
 
@@ -17,7 +17,7 @@ _N = const(28)
 _TURNS = const(12)
 _ROWS = const(336)
 _MOST = const(254)
-_KNEE = const(192)  # above, units are four times as large: so far out it is known roughly what leaving costs
+_KNEE = const(216)  # above, units are four times as large: so far out it is known roughly what leaving costs
 _BAND = const(64)  # by which the limit rises above the least cost: 4 cells, sixteenths of a cell
 _ROW_WORK = const(1)  # what it costs of the budget to look through a row with marks, to propagate from a pose, to go through all rows
 _POSE_WORK = const(4)
