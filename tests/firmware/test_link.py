@@ -524,6 +524,15 @@ def test_a_greeting_without_the_session_is_answered_once_a_second():
     assert line.answered == 1 and line.valid == 0
 
 
+def test_strangers_who_keep_asking_hold_up_nothing():
+    link, line, robot = make(signed=True)
+    robot.avoid.decisions = 1
+    for now in range(0, 1_000_000, 5000):
+        line.receive(frame(protocol.GREET, b"\1\0\0\0\1"))
+        link.update(now, robot)
+    assert protocol.POINTS in [kind for kind, _, _ in line.sent()]
+
+
 def test_what_should_not_be_missed_is_logged_once():
     link, line, robot = make()
     robot.health.battery_low = True

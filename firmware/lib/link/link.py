@@ -110,7 +110,7 @@ class Link(Commands):
             idle = idle and line.idle()
             while line.take(now_us):
                 self._hear(line, now_us, robot)
-                hears = True
+                hears = hears or not line.signed  # strangers in the network must not be able to hold it up
             hears = hears or line.decoder.waiting()
         self.expire(now_us)
         if robot.health is not None:
