@@ -165,8 +165,8 @@ class Link(Commands):
     def _hear(self, line, now_us, robot):
         if self.obey(line, now_us, robot):
             line.heard(now_us)
-        elif line.signed and line.decoder.kind == _GREET:
-            self._asker = line  # broadcasts do not reach everyone
+        elif line.signed and line.decoder.kind == _GREET and self._is_due(_ANSWER, now_us, _HELLO_US):
+            self._asker = line  # broadcasts do not reach everyone; once a second, so that nobody gains by asking
 
     def _remark(self, robot):
         """Put into the log what should not be missed."""
@@ -220,13 +220,11 @@ class Link(Commands):
                 line.announce(self._encoder)
 
     def _answer(self, data, now_us):
-        """Tell the session to one who greets without it. Once a second, so that nobody gains by asking."""
-        line = self._asker
+        """Tell the session to one who greets without it."""
+        self._told_us[_ANSWER] = now_us
+        self._encoder.seal(messages.hello(data, self.session, self.counter, self._identity))
+        self._asker.answer(self._encoder)
         self._asker = None
-        if self._is_due(_ANSWER, now_us, _HELLO_US):
-            self._told_us[_ANSWER] = now_us
-            self._encoder.seal(messages.hello(data, self.session, self.counter, self._identity))
-            line.answer(self._encoder)
 
     def _once(self, data, now_us, robot):
         """The next of the messages that are told once and must not be lost; the length of its payload, 0 when there is none."""
