@@ -1,6 +1,6 @@
 """The twin as a link: it runs in a thread, and the firmware's USB serial line is the wire.
 
-    twin:COURSE?width=550&gap=400&seed=3&mirror=1&reverse=1&angle=90&scale=1&mode=naws&speed=1&engine=cpython&config=robot.json&record=FILE
+    twin:COURSE?width=550&gap=400&seed=3&mirror=1&reverse=1&angle=90&scale=1&mode=naws&speed=1&chip=1&engine=cpython&config=robot.json&record=FILE
 
 COURSE is one of the twin's, in any case; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes. What
 the others mean: `python -m host.twin --help`.
@@ -26,7 +26,7 @@ def _flag(text):
 
 OPTIONS: dict[str, Callable] = {
     "width": float, "gap": float, "seed": int, "mirror": _flag, "reverse": _flag, "angle": float, "scale": float, "mode": str, "engine": str,
-    "speed": _speed, "config": str, "firmware": str, "record": str,
+    "speed": _speed, "chip": float, "config": str, "firmware": str, "record": str,
 }  # fmt: skip
 
 

@@ -41,7 +41,7 @@ def main(argv: list[str] | None = None) -> int:
     except (RecordingError, ValueError) as error:
         return _misused(error)
     try:
-        again = rerun(tape, robot, options.engine, options.firmware)
+        again = rerun(tape, robot, options.engine, options.firmware, float(reader.header.notes.get("chip", "inf")))
     except (ToolMissing, SyntaxError) as error:
         return _misused(error)
     print(f"{options.file}: {reader.header.source}, {tape.then.end_us / 1e6:.1f} s")

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import math
 import sys
 from pathlib import Path
 
@@ -80,7 +79,7 @@ def _parser():
     add("--mode", type=str.lower, choices=MODES, help="all axles steer, or the last one stays straight (default: as robot.json says)")
     add("--engine", choices=ENGINES, default=ENGINES[0], help="what runs the firmware")
     add("--speed", type=_speed, default=None, metavar="X|max", help="factor on real time, or max (default)")
-    add("--chip", type=_chip, default=math.inf, metavar="X|inf", help="factor on the speed of the ESP32 that computes (default 1); inf: takes no time")
+    add("--chip", type=_chip, metavar="X|inf", help="factor on the speed of the ESP32 that computes (default 1); inf: takes no time")
     add("--config", metavar="FILE", help="robot.json to use (default firmware/robot.json)")
     add("--firmware", metavar="FOLDER", help="main.py and lib/ to run (default firmware/)")
     add("--json", action="store_true", help="print one JSON object with the result and nothing else")

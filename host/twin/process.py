@@ -16,6 +16,7 @@ __all__ = ["ENGINES", "FirmwareStopped", "Process"]
 
 ENGINES = (*micropython.ENGINES, "cpython")
 POWER_ON, SOFT_RESET = 1, 5  # as machine.reset_cause() says it
+CHIP = 1.0  # factor on the speed of an ESP32, where none is given
 BOOT_US = 300_000  # from the reset to main.py's first line, roughly what the stock image takes
 
 
@@ -23,11 +24,11 @@ class Process:
     """The emulated board and the firmware on it.
 
     engine: one of ENGINES. config_text: the robot.json that it finds. on_serial(bytes) gets what it prints. heap: bytes that it has on
-    the board, None = what `memory` says. chip: factor on the speed of an ESP32, math.inf = computing takes no time. clock_us: what the
+    the board, None = what `memory` says. chip: factor on the speed of an ESP32, math.inf = computing takes no time, None = CHIP. clock_us: what the
     board's clock shows at the start; a soft reset leaves it running.
     """
 
-    def __init__(self, engine, config_text, on_serial, firmware=image.FIRMWARE, heap=None, chip=1.0, clock_us=0):
+    def __init__(self, engine, config_text, on_serial, firmware=image.FIRMWARE, heap=None, chip=None, clock_us=0):
         self._on_serial = on_serial
         self._began = -clock_us  # when the board's clock showed 0
         self._request: wire.Request  # the latest
@@ -37,7 +38,7 @@ class Process:
             (self._folder / "robot.json").write_text(config_text)
             if tables := image.tables(config_text, firmware):
                 shutil.copyfile(tables, self._folder / "tables.bin")
-            timing = self._chip(chip, Path(firmware))
+            timing = self._chip(CHIP if chip is None else chip, Path(firmware))
             self._words = self._command(engine, Path(firmware), config_text, heap, timing)
             self._child = self._start(clock_us, POWER_ON)
         except BaseException:

@@ -1,7 +1,6 @@
 """One run of the twin from Python: what the command line, the experiments and the bench call."""
 
 import json
-import math
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -10,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import courses, image, wire
+from . import courses, image, process, wire
 from .process import FirmwareStopped, Process
 from .recorder import Observers, Recorder
 from .simulation import BLOCKED, PASS, TIMEOUT, Observer, Simulation
@@ -79,7 +78,7 @@ def run(
     limit_s=None,
     record=None,
     heap=None,
-    chip=math.inf,
+    chip=None,
     clock_us=0,
 ):
     """Drive one course; returns a Result.
@@ -89,20 +88,21 @@ def run(
     possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it. watch: simulation.Observer, told what
     happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run earlier than after 60 s.
     heap, clock_us: of the board, see `Process`.
-    chip: factor on the speed of an ESP32, math.inf = computing takes no time.
+    chip: factor on the speed of an ESP32, math.inf = computing takes no time, None = process.CHIP.
     record: file for a recording of the run; None records into out/ended-badly/ and keeps that only if the run ends badly; False never records.
     """
     began = time.monotonic()
+    chip = process.CHIP if chip is None else chip
     settings = load_config(config, mode, changes)
     vehicle = Vehicle.from_settings(settings)
     layout = courses.make(course, width, gap, seed, mirror, reverse, angle, scale)
     watch = watch or Observer()
     text = json.dumps(settings)
-    address = _address(course, layout.width, gap, seed, mirror, reverse, angle, scale)
+    address = _address(course, layout.width, gap, seed, mirror, reverse, angle, scale, chip)
     with ExitStack() as stack:
         recorder = None
         if record is not False:
-            recorder = stack.enter_context(Recorder.begin(record, text, address, firmware, {"engine": engine}))
+            recorder = stack.enter_context(Recorder.begin(record, text, address, firmware, {"engine": engine, "chip": str(chip)}))
             watch = Observers(recorder, watch)
         simulation = Simulation(layout, vehicle, seed, watch)
         child = Process(engine, text, watch.serial, firmware, heap, chip, clock_us)
@@ -135,10 +135,10 @@ def run(
     )
 
 
-def _address(course, width, gap, seed, mirror, reverse, angle, scale):
+def _address(course, width, gap, seed, mirror, reverse, angle, scale, chip):
     """The run as an address: twin:z?width=550&seed=3."""
-    usual = dict(width=None, gap=500, seed=0, mirror=False, reverse=False, angle=90, scale=1)
-    given = dict(width=width, gap=gap, seed=seed, mirror=mirror, reverse=reverse, angle=angle, scale=scale)
+    usual = dict(width=None, gap=500, seed=0, mirror=False, reverse=False, angle=90, scale=1, chip=process.CHIP)
+    given = dict(width=width, gap=gap, seed=seed, mirror=mirror, reverse=reverse, angle=angle, scale=scale, chip=chip)
     return f"twin:{course.lower()}?" + "&".join(f"{name}={value:g}" for name, value in given.items() if value != usual[name])
 
 

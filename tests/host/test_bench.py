@@ -10,6 +10,7 @@ import pytest
 
 from host.bench import blocks, calibrate, cli, costs, decisions, figures, machine_code, scans, stages, surprise
 from host.bench.measure import module_of
+from host.twin import run
 
 LOOPS = textwrap.dedent("""
     import micropython
@@ -282,3 +283,16 @@ def test_what_is_charged_for_takes_what_the_firmware_passes():
             path = scans.image.FIRMWARE / "lib" / (module.replace(".", "/") + ".py")
             ours, theirs = arguments(board, node.name), arguments(path, *names.split("."))
             assert len(ours[0]) == len(theirs[0]) and ours[1] == theirs[1], f"charge.py: {node.name}({', '.join(ours[0])}) for {names}({', '.join(theirs[0])})"
+
+
+@pytest.mark.parametrize("engine", ["micropython", "micropython64", "cpython"])
+def test_each_interpreter_charges_the_same(engine):
+    """The first decisions come at the same microsecond as on CPython, more than a second after the board has started."""
+    told = [[(one.time_us, one.af, one.v) for one in run("Z", 550, limit_s=5, engine=name, chip=1.0, record=False).log] for name in (engine, "cpython")]
+    assert told[0] == told[1] and len(told[0]) > 3 and told[0][0][0] > 1_000_000
+
+
+def test_a_slower_chip_decides_later_and_still_passes():
+    fast, slow = (run("random", gap=400, seed=1, chip=chip, record=False) for chip in (1.0, 0.5))
+    assert fast.result == slow.result == "pass"
+    assert slow.time_s > fast.time_s + 2 and slow.contacts == 0

@@ -348,7 +348,8 @@ def _frame(self, lidar, odometry):
 def _guard(self, odometry, speed):
     enter()
     out = _originals[_GUARD](self, odometry, speed)
-    leave(_GUARD, 1 if out else 0, 0)
+    mirrored = getattr(getattr(self, "plan", None), "mirroring", 0)  # to one side, to the back: the points are turned about for each
+    leave(_GUARD, 1 if out else 0, _checked * ((mirrored & 1) + (mirrored >> 1)))
     return out
 
 
