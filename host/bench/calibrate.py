@@ -24,6 +24,8 @@ COURSES = (
     {"course": "random", "gap": 400, "seed": 1, "limit_s": 12},
 )
 
+_SUBSETS = ([0], [1], [2], [0, 1], [0, 2], [1, 2], [0, 1, 2])  # of the call and its two kinds of work, the plainest first
+
 _HEAD = '''"""What the firmware's methods take on the ESP32, in instructions: fitted to executed ones by `python -m host.bench --calibrate --write`.
 
 See charge.py for how they are charged, docs/bench.md for how they are counted.
@@ -77,15 +79,16 @@ def fit(named, calls):
         own = calls[calls[:, 0] == number]
         if not len(own):
             continue
-        used = [0, 1, 2]
         everything = np.column_stack([np.ones(len(own)), own[:, 2], own[:, 3]]).astype(float)
-        while True:
-            found, *_ = np.linalg.lstsq(everything[:, used], own[:, 1].astype(float), rcond=None)
-            if len(used) == 1 or found.min() >= 0:
-                break
-            used.pop(int(found[1:].argmin()) + 1 if found[1:].min() < 0 else len(used) - 1)
-        price = np.zeros(3)
-        price[used] = found
+        wanted = own[:, 1].astype(float)
+        best, price = np.inf, np.zeros(3)
+        for used in _SUBSETS:
+            found, *_ = np.linalg.lstsq(everything[:, used], wanted, rcond=None)
+            reckoned = everything[:, used] @ found
+            off = float(((reckoned - wanted) ** 2).sum())
+            if found.min() >= 0 and reckoned.sum() > 0 and off < best * 0.999:
+                best, price = off, np.zeros(3)
+                price[used] = found * wanted.sum() / reckoned.sum()  # what all calls take together is to be right
         out[name] = (round(price[0]), round(price[1] * PART), round(price[2] * PART))
     return out
 
