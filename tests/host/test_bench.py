@@ -214,7 +214,7 @@ def test_what_differs_only_in_time_is_told_as_that():
     assert decisions.report([])[1] == 2
 
 
-SHORT = ({"course": "Z", "width": 550, "seed": 1, "limit_s": 6}, {"course": "random", "gap": 340, "seed": 3, "limit_s": 6})
+SHORT = ({"course": "Z", "width": 550, "seed": 1, "limit_s": 14}, {"course": "random", "gap": 340, "seed": 3, "limit_s": 14})
 
 
 @pytest.fixture(scope="module")
