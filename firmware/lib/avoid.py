@@ -9,12 +9,11 @@ from micropython import const
 
 from core.unload import unload
 from planner.decision import COST_TO_GO, REST
-from planner.reasons import BLOCKED
-from planner.speed import choose_speed
 from steering import mode_of
 
 _NO_POINT = const(32767)
 _NO_BLOCK = const(65535)
+_BLOCKED = const(17)  # reasons.BLOCKED
 
 
 class Avoid:
@@ -52,7 +51,7 @@ class Avoid:
         # What rolls out in the motors' time constant, and a little.
         if plan.look() >= speed // 9:
             return False
-        plan.stand(BLOCKED)
+        plan.stand(_BLOCKED)
         self.decision.stage = REST
         self._publish(1)
         return True
@@ -84,8 +83,7 @@ class Avoid:
         decided = self.decision.step(odometry)
         ways = self.ways
         if decided:
-            plan = self.plan
-            plan.v = choose_speed(plan, ways.soft[plan.candidate], self.candidates.lengths[1], self.windows.urgent, self.config)
+            self.plan.choose_speed(self.windows.urgent, self.config)
             self._publish(1)
         self.points_count = ways.n
         self.points_ordered = ways.ordered

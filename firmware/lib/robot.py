@@ -2,9 +2,14 @@
 
 from time import ticks_diff, ticks_us
 
+from micropython import const
+
 from link import telemetry
 from perception.odometry import Odometry
-from planner import reasons
+
+_STOPPED = const(12)  # reasons.STOPPED
+_FAULT = const(13)  # reasons.FAULT
+_MANUAL = const(14)  # reasons.MANUAL
 
 
 class Robot:
@@ -52,13 +57,13 @@ class Robot:
         due = drive.due(now) and not seen
         self._owed = False
         if self.health is not None and not self.health.check(now):
-            self._stand(reasons.FAULT, seen)
+            self._stand(_FAULT, seen)
         elif state == telemetry.STOPPED:
-            self._stand(reasons.STOPPED, seen)
+            self._stand(_STOPPED, seen)
         elif state == telemetry.MANUAL:
             drive.command(link.af, link.ar, link.v)
             if seen:
-                avoid.observe(odometry, reasons.MANUAL, link.af, link.ar, link.v)
+                avoid.observe(odometry, _MANUAL, link.af, link.ar, link.v)
         elif seen:
             self._watch_out()
             self._slices = 2 if drive.v256 else 3  # there is time for so many until the next frame; a robot that stands may be late

@@ -1,4 +1,4 @@
-"""planner/speed.py and planner/away.py: how fast a steering may be driven; whether a place has been left."""
+"""planner/plan.py and planner/decision.py: how fast a steering may be driven; whether a place has been left."""
 
 from array import array
 
@@ -6,41 +6,51 @@ from rooms import Still
 
 from params.config import Config
 from perception.windows import BLUE, NONE, RED
-from planner.away import away, mark
-from planner.speed import choose_speed
+from planner.decision import away, mark
+from planner.plan import Plan
 
 _config = Config()
 
 
-class _Plan:
-    def __init__(self, free, limit=900, mirroring=0):
-        self.free = free
-        self.limit = limit
-        self.mirroring = mirroring
+class _Candidates:
+    lengths = (60, 128)
 
 
-def _speed(plan, soft=900, urgent=NONE):
-    return choose_speed(plan, soft, 128, urgent, _config)
+class _Ways:
+    def __init__(self, soft):
+        self.soft = (soft,)
+
+
+def _speed(free, limit=900, mirroring=0, soft=900, urgent=NONE):
+    plan = Plan()
+    plan.candidates = _Candidates
+    plan.ways = _Ways(soft)
+    plan.candidate = 0
+    plan.free = free
+    plan.limit = limit
+    plan.mirroring = mirroring
+    plan.choose_speed(urgent, _config)
+    return plan.v
 
 
 def test_a_free_way_is_driven_at_cruise_and_backward_the_same():
-    assert _speed(_Plan(900)) == _config.drive_cruise
-    assert _speed(_Plan(900, mirroring=3)) == 180 - _config.drive_cruise
+    assert _speed(900) == _config.drive_cruise
+    assert _speed(900, mirroring=3) == 180 - _config.drive_cruise
 
 
 def test_it_stands_where_nothing_is_free_or_left():
-    assert _speed(_Plan(0)) == 90
-    assert _speed(_Plan(900, limit=0)) == 90
+    assert _speed(0) == 90
+    assert _speed(900, limit=0) == 90
 
 
 def test_it_goes_slower_towards_the_end_of_the_way_and_of_the_move():
-    assert 90 < _speed(_Plan(10)) < _speed(_Plan(40)) < _config.drive_cruise
-    assert _speed(_Plan(900, limit=10)) == _speed(_Plan(10))
+    assert 90 < _speed(10) < _speed(40) < _config.drive_cruise
+    assert _speed(900, limit=10) == _speed(10)
 
 
 def test_it_goes_slower_where_it_is_narrow():
-    assert 90 < _speed(_Plan(900), urgent=RED) < _speed(_Plan(900), soft=100) < _config.drive_cruise
-    assert _speed(_Plan(900), urgent=BLUE) == _config.drive_cruise
+    assert 90 < _speed(900, urgent=RED) < _speed(900, soft=100) < _config.drive_cruise
+    assert _speed(900, urgent=BLUE) == _config.drive_cruise
 
 
 def test_away_is_far_or_turned():

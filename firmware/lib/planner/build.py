@@ -6,7 +6,6 @@ from micropython import const
 
 from perception.local_map import LocalMap
 from perception.windows import NO_ZONE, Windows
-from planner import reasons
 from planner.candidates import LENGTHS, Candidates
 from planner.collision import CollisionCheck
 from planner.cost_to_go import CostToGo
@@ -20,6 +19,7 @@ _POINTS = const(320)
 _BACKWARD = const(150)  # mm that a move backward costs for being one
 _BACKWARD_NAWS = const(300)  # ... where the robot drives worse that way
 _NO_POINT = const(32767)
+_WAITING = const(0)  # reasons.WAITING
 
 
 def build(self, config):
@@ -124,5 +124,5 @@ def _plan(candidates, ways, two_step):
     plan.ways = ways
     plan.two_step = two_step
     plan.mirroring = plan.candidate = plan.af = plan.ar = plan.free = plan.until = 0
-    plan.stand(reasons.WAITING)
+    plan.stand(_WAITING)
     return plan

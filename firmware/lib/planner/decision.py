@@ -12,8 +12,6 @@ from time import ticks_diff
 
 from micropython import const
 
-from planner import reasons
-from planner.away import away, mark
 from planner.candidates import LENGTHS
 from planner.move_cost import NOTHING, best, clear, in_a_slice
 
@@ -37,11 +35,36 @@ _FRESH_US = const(379_000)
 _FIT = const(6)  # single moves are made where it is wide: it need not be as fresh
 _FIT_US = const(606_000)
 _NO_AGE = const(0x1FFFFFFF)
-_TURNED = const(7999)  # 0.001 deg
+_FRESH_TURN = const(7999)  # 0.001 deg
 _LATE = const(4)  # ... where making it took longer than that: it serves once, whatever its age
-_LATE_TURNED = const(20_000)
+_LATE_TURN = const(20_000)
 
-_SINGLE = (reasons.ON, reasons.BEND, reasons.CRAB)
+# planner/reasons.py
+_ON = const(1)  # reasons.ON
+_BEND = const(2)  # reasons.BEND
+_CENTRE = const(3)  # reasons.CENTRE
+_CRAB = const(4)  # reasons.CRAB
+_LOOKING = const(6)  # reasons.LOOKING
+_BACK = const(7)  # reasons.BACK
+_TURNED = const(8)  # reasons.TURNED
+_BOXED = const(11)  # reasons.BOXED
+_AGAIN = const(16)  # reasons.AGAIN
+
+
+def mark(place, odometry):
+    """A place, array('i') of x, y (1/256 mm) and heading (0.001 deg), is where the robot is now."""
+    place[0] = odometry.x
+    place[1] = odometry.y
+    place[2] = odometry.heading
+
+
+def away(place, odometry, reach, heading):
+    """Whether the robot is `reach` mm from the place or farther, or has turned by more than `heading` (0.001 deg) since."""
+    # Modulo 8 m: the odometry's coordinates go round.
+    dx = ((odometry.x - place[0] & 0x1FFFFF ^ 0x100000) - 0x100000) >> 8
+    dy = ((odometry.y - place[1] & 0x1FFFFF ^ 0x100000) - 0x100000) >> 8
+    turned = (odometry.heading - place[2]) % 360000
+    return dx * dx + dy * dy >= reach * reach or min(turned, 360000 - turned) > heading
 
 
 class Decision:
@@ -69,13 +92,13 @@ class Decision:
             if plan.moves and plan.left(odometry) < self.candidates.look_ahead >> 2 and (self.renewing or not self._fits(odometry, _FRESH, _FRESH_US)):
                 self._renew(odometry)
             return REST
-        single = plan.why in _SINGLE
+        single = plan.why in (_ON, _BEND, _CRAB)
         if not plan.moves:
             fits = self._fits(odometry, _FIT, _FIT_US) if single else self._fits(odometry, _FRESH, _FRESH_US)
             if self.renewing or not fits or ways.frames < self.frames_first:
                 if self.late and plan.v != 90:
                     # Driven on too far while it was made: the next one is made standing.
-                    plan.stand(reasons.LOOKING)
+                    plan.stand(_LOOKING)
                     self.decided = True
                 return COST_TO_GO
         if ways.seen != ways.frames:
@@ -135,7 +158,7 @@ class Decision:
             return REST
         # This takes longer. With little way left, or on a slow chip, the robot stands meanwhile.
         if plan.v != 90 and (self.slow or plan.free < self.candidates.lengths[2]):
-            plan.stand(reasons.LOOKING)
+            plan.stand(_LOOKING)
             self.decided = True
         # A cost to go made while the robot stands is fresh however long this takes, or the same would begin again and again.
         return _CHECK_ALL if self._fits(odometry, _FRESH, _NO_AGE) else COST_TO_GO
@@ -176,18 +199,18 @@ class Decision:
             mirroring = first.mirroring[at]
             plan.take(mirroring, first.candidate[at])
             if first.found:
-                why = reasons.TURNED if mirroring & 2 else reasons.LOOKING
+                why = _TURNED if mirroring & 2 else _LOOKING
             else:
-                why = reasons.BACK if mirroring & 2 else reasons.BEND
+                why = _BACK if mirroring & 2 else _BEND
             plan.begin(1, first.length[at], odometry, why)
         else:
             # Nothing of the shortest travel: whatever gives most way, if any.
             plan.moves = 0
             most = self.longest((0, 1, 2, 3), 11)
             plan.limit = most - 6
-            plan.why = reasons.CENTRE
+            plan.why = _CENTRE
             if not most:
-                plan.stand(reasons.BOXED)
+                plan.stand(_BOXED)
         self._count_reversals(odometry)
         # Anew for this one: checking others has moved the points about.
         plan.look()
@@ -226,11 +249,11 @@ class Decision:
         One that took long to make serves once, however old, if the robot has not gone much farther: it would else be begun again and again.
         """
         near = self.candidates.look_ahead // part
-        turned = _TURNED
+        turned = _FRESH_TURN
         if self.late:
             age_us = _NO_AGE
             near = max(near, self.candidates.look_ahead // _LATE)
-            turned = _LATE_TURNED
+            turned = _LATE_TURN
         return self.cost_to_go.ready and not away(self.made_at, odometry, near, turned) and ticks_diff(odometry.now_us, self.made_us) < age_us
 
     def check_some(self, mirroring):
@@ -280,7 +303,7 @@ class Decision:
         plan.take(mirroring, k)
         plan.moves = 0
         plan.limit = env.look_ahead
-        plan.why = reasons.BEND if k < env.arcs else reasons.CRAB if k > env.arcs else reasons.ON
+        plan.why = _BEND if k < env.arcs else _CRAB if k > env.arcs else _ON
         return True
 
     def longest(self, mirrorings, least):
@@ -306,7 +329,7 @@ class Decision:
         if not most:
             return False
         self.two_step.found = False  # no second move
-        self.plan.begin(1, min(most - lengths[0], lengths[3]), odometry, reasons.AGAIN)
+        self.plan.begin(1, min(most - lengths[0], lengths[3]), odometry, _AGAIN)
         self.reversals = 0
         return True
 

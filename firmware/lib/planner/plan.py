@@ -1,12 +1,12 @@
-"""What is being driven: one steering, or the two moves of a plan one after the other as long as the points agree."""
+"""What is being driven: one steering, or the two moves of a plan one after the other as long as the points agree; and how fast."""
 
 from micropython import const
 
-from planner import reasons
-
-STANDING = const(90)
+_STANDING = const(90)
 _ARRIVED = const(4)  # mm before its end a move is over
+_RED = const(2)  # perception/windows.py
 _SLACK = const(10)  # mm that the way ahead may be short of what is left of a move: points waver
+_PLAN = const(5)  # reasons.PLAN
 
 
 class Plan:
@@ -37,7 +37,7 @@ class Plan:
         self.why = why
 
     def stand(self, why):
-        self.v = STANDING
+        self.v = _STANDING
         self.limit = 0
         self.moves = 0
         self.why = why
@@ -68,7 +68,23 @@ class Plan:
             length = second.second_length
             if self.ways.free(mirroring, second.second_candidate) >= min(length, lengths[1]):
                 self.take(mirroring, second.second_candidate)
-                self.begin(2, length, odometry, reasons.PLAN)
+                self.begin(2, length, odometry, _PLAN)
                 return True
         self.moves = 0
         return False
+
+    def choose_speed(self, urgent, config):
+        """V for the way ahead, 0..180 with 90 standing. urgent: the most urgent window that has a point."""
+        way = min(self.free, self.limit)
+        if way <= 0:
+            self.v = _STANDING
+            return
+        cruise = config.drive_cruise - _STANDING
+        # Stop within the free way: it takes about speed / 10 mm.
+        v = min((60 + way * 3) * 90 // config.motors_full_speed, cruise)
+        if self.ways.soft[self.candidate] < self.candidates.lengths[1]:
+            v = min(v, cruise * 4 // 5)  # it gets narrow soon
+        if 0 < urgent <= _RED:
+            v = min(v, cruise // 2)
+        v = max(v, 4)
+        self.v = _STANDING - v if self.mirroring & 2 else _STANDING + v

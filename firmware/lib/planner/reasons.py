@@ -1,5 +1,6 @@
 """Why the robot does what it does. Decisions carry the number; the words to it stand in link/reason_texts.py.
 
+Not loaded on the robot: what gives a reason has its number as a const of its own, marked "# reasons.NAME"; a test holds them against this list.
 Recordings keep the numbers: one that is no longer used is not given to another reason.
 """
 
