@@ -2,7 +2,7 @@
 
 Turns a recording into a file for Foxglove (MCAP) or a table (CSV).
 
-Exit status: 0 done; 1 the recording was cut off, and what is before the cut was exported; 2 nothing was exported.
+Exit status: 0 done; 1 the recording was cut off or damaged, and what is whole was exported; 2 nothing was exported.
 """
 
 import argparse
@@ -22,7 +22,7 @@ def main(argv: list[str] | None = None) -> int:
     options = _parser().parse_args(argv)
     try:
         reader = Reader(options.file)
-        count, things = _export(reader, options.out)
+        count, things, lacks = _export(reader, options.out)
     except (RecordingError, ExportError) as error:
         print(f"python -m host.export: {error}", file=sys.stderr)
         return FAILED
@@ -30,27 +30,33 @@ def main(argv: list[str] | None = None) -> int:
         print(f"python -m host.export: cannot write {options.out}: {error.strerror}; choose a folder you may write to", file=sys.stderr)
         return FAILED
     print(f"{options.out}: {count} {things}")
+    for lack in lacks:
+        print(f"it lacks {lack}")
+    for text in reader.damage:
+        print(f"the recording is {text}")
     if reader.cut:
         print(f"the recording is {reader.cut}; what is before that was exported")
-    return CUT if reader.cut else WHOLE
+    return CUT if reader.cut or reader.damage else WHOLE
 
 
-def _export(reader: Reader, out: Path) -> tuple[int, str]:
+def _export(reader: Reader, out: Path) -> tuple[int, str, list[str]]:
+    """(how many, of what, what the recording lacks)."""
     if out.suffix == ".csv":
         from .to_csv import export
 
-        return export(reader, out), "decisions"
+        return export(reader, out), "decisions", []
     if out.suffix == ".mcap":
         from .to_mcap import export
 
-        return export(reader, out), "messages"
+        lacks: list[str] = []
+        return export(reader, out, lacks), "messages", lacks
     raise ExportError(f"{out}: the name must end in .mcap (for Foxglove) or .csv (a table)")
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m host.export", description="Turn a recording into a file that other programs open.",
-        epilog="exit status: 0 done, 1 the recording was cut off (what is before the cut was exported), 2 nothing was exported",
+        epilog="exit status: 0 done, 1 the recording was cut off or damaged (what is whole was exported), 2 nothing was exported",
     )  # fmt: skip
     add_version(parser)
     parser.add_argument("file", metavar="FILE", help="recording")

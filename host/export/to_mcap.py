@@ -20,6 +20,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from host.recording import Reader, Stream
+from params.values import ConfigError
 
 from . import shapes
 from .scans import Scan, ScanReader, evenly
@@ -94,27 +95,63 @@ class Exporter:
         self._topics.write("/scene", moment, shapes.walls(message["walls"]))
 
     def _hello(self, moment, message):
-        self.body(moment, message["width"], message["length"])
+        if "width" in message and "length" in message:
+            self.body(moment, message["width"], message["length"])
 
     def _names(self, moment, message):
         self._reasons = tuple(message["reasons"])
 
 
-def export(reader: Reader, target: Path) -> int:
-    """Write the whole recording; returns the number of messages."""
+def export(reader: Reader, target: Path, lacks: list[str] | None = None) -> int:
+    """Write the whole recording; returns the number of messages. lacks: takes sentences about what the recording does not have."""
+    lacks = [] if lacks is None else lacks
     header = reader.header
-    robot = json.loads(header.robot)
+    robot = _settings(header.robot, lacks)
     with open(target, "wb") as file:
         topics = Topics(file)
-        topics.describe({"source": header.source, "firmware": header.firmware, "clock": header.clock}, {"robot.json": header.robot.encode()})
+        attached = {"robot.json": header.robot.encode()} if header.robot else {}
+        topics.describe({"source": header.source, "firmware": header.firmware, "clock": header.clock}, attached)
         exporter = Exporter(topics, robot, header.reasons)
         size = robot.get("robot", {})
-        exporter.body(0, size.get("width", 250), size.get("length", 600))
-        scans = ScanReader(header.robot)
-        for record in reader.stream(Stream.LIDAR):
-            for scan in scans.take(record):
-                exporter.scan(record.time_us / 1e6, scan)
+        if "width" in size and "length" in size:
+            exporter.body(0, size["width"], size["length"])
+        scans = _scan_reader(header.robot) if robot else None
+        if scans is None:
+            lacks.append("what the bytes of the lidar need to become scans; /scan holds what the robot told, if somebody asked it to")
+        else:
+            for record in reader.stream(Stream.LIDAR):
+                for scan in scans.take(record):
+                    exporter.scan(record.time_us / 1e6, scan)
         for moment, message in timeline(reader):
             exporter.message(moment, message)
         topics.finish()
+        if "/pose" not in topics.names:
+            lacks.append("the true pose, which only the twin knows: /tf is the odometry's")
+        if "/scan" not in topics.names:
+            lacks.append("scans: they are told to whoever asks for raw scans")
         return topics.count
+
+
+def _settings(text: str, lacks: list[str]) -> dict:
+    """robot.json as a dict of sections; {} where it is missing or no such thing."""
+    try:
+        robot = json.loads(text)
+        sections = {name: section for name, section in robot.items() if isinstance(section, dict)}
+    except (ValueError, AttributeError, RecursionError):
+        lacks.append("robot.json" + (": what it has is none" if text else ""))
+        return {}
+    sizes = sections.get("robot", {}), sections.get("lidar", {})
+    for section, names in zip(sizes, (("width", "length"), ("x", "y"))):
+        for name in names:
+            if name in section and not isinstance(section[name], int | float):
+                lacks.append(f"a number for {name} in robot.json")
+                del section[name]
+    return sections
+
+
+def _scan_reader(robot: str) -> ScanReader | None:
+    """None where robot.json is not what this firmware takes, or not all of it is known."""
+    try:
+        return ScanReader(robot)
+    except ConfigError:
+        return None

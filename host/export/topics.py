@@ -54,6 +54,11 @@ class Topics:
             self._channels[topic] = self._writer.register_channel(topic, "json", number)
         self._add(topic, _nanoseconds(moment), json.dumps(content).encode())
 
+    @property
+    def names(self) -> set[str]:
+        """Topics that have a message."""
+        return set(self._channels)
+
     def finish(self) -> None:
         """Write the index; the file is complete."""
         self._writer.finish()

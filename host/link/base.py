@@ -29,6 +29,7 @@ class Link:
         self.robot: dict = {}
         self.taps: list = []
         self.lost = 0  # frames that went missing on the way, by their sequence numbers
+        self.refused = 0  # whole frames that hold nothing this version knows: damaged, hostile, or of another version
         self._queue: queue.Queue = queue.Queue()
         self._frames = frames.FrameReader(stray=self._stray)
         self._printed = bytearray()
@@ -132,6 +133,7 @@ class Link:
         self._sequence_in = sequence
         message = messages.decode(kind, payload, self.robot.get("full_speed", 1280.0))
         if message is None:
+            self.refused += 1
             return
         if message["type"] == "hello":
             self._greeted(message)

@@ -26,6 +26,7 @@ Links add some of their own:
 """
 
 import json
+import math
 import struct
 
 from link import protocol
@@ -33,13 +34,14 @@ from params import schema
 
 STATES = ("stopped", "auto", "manual")
 STATUSES = ("ok", "refused")
+WINDOWS = 5  # none, green, red, blue, yellow
 FULL_V256 = 90 * 256
 _NOT_LOOKED_AT = 65535  # free length of such a candidate
 _KNOWN = {key: {"default": default, "unit": unit, "meaning": meaning} for key, _, default, _, _, unit, meaning in schema.rows(schema.LIVE)}
 
 
 def decode(kind: int, payload: bytes, full_speed: float = 1280.0) -> dict | None:
-    """A message as a dict; None for a type or a length this version does not know.
+    """A message as a dict; None for a type, a length or a content that this version does not know, whatever it may be.
 
     full_speed: mm/s of the wheels at V = 180, for `wheels`.
     """
@@ -47,8 +49,46 @@ def decode(kind: int, payload: bytes, full_speed: float = 1280.0) -> dict | None
         if kind == protocol.WHEELS:
             return _wheels(payload, full_speed)
         return _DECODERS[kind](payload) if kind in _DECODERS else None
-    except (struct.error, ValueError, IndexError):
+    except (struct.error, ValueError, IndexError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
         return None
+
+
+def _json(text: bytes) -> dict:
+    """A JSON object without what JSON itself does not have: no NaN, no infinity. Raises ValueError or RecursionError."""
+    told = json.loads(text, parse_constant=_finite, parse_float=_finite)
+    if not isinstance(told, dict):
+        raise ValueError("no JSON object")
+    return told
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text} is no number")
+    return number
+
+
+def _is_number(value) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9
+
+
+def _are_numbers(value) -> bool:
+    return isinstance(value, list) and all(map(_is_number, value))
+
+
+def _is_text(value) -> bool:
+    return isinstance(value, str)
+
+
+def _is_board(value) -> bool:
+    """It becomes part of a file's name."""
+    return isinstance(value, str) and 0 < len(value) <= 64 and all(digit in "0123456789abcdef" for digit in value)
+
+
+_HELLO_FIELDS = {
+    "firmware": _is_text, "robot": _is_text, "board": _is_board, "boot": _is_text, "width": _is_number, "length": _is_number, "track": _is_number,
+    "first": _is_number, "full_speed": _is_number, "spacings": _are_numbers, "lidar": lambda value: _are_numbers(value) and len(value) == 2,
+}  # fmt: skip
 
 
 def _block(x, y):
@@ -57,12 +97,19 @@ def _block(x, y):
 
 def _hello(payload):
     session, counter = struct.unpack_from(protocol.HELLO_FORMAT, payload)
-    rest = json.loads(payload[struct.calcsize(protocol.HELLO_FORMAT) :])
-    return {"type": "hello", "session": session.hex(), "counter": counter, **rest}
+    rest = _json(payload[struct.calcsize(protocol.HELLO_FORMAT) :])
+    for name in ("robot", "board"):
+        rest[name]  # those who connect need them
+    wrong = [name for name, fits in _HELLO_FIELDS.items() if name in rest and not fits(rest[name])]
+    if wrong:
+        raise ValueError(f"{wrong[0]} cannot be")
+    return {**rest, "type": "hello", "session": session.hex(), "counter": counter}
 
 
 def _decision(payload):
     number, time, state, mode, af, ar, v, window, zone, free, x, y, why, took = struct.unpack(protocol.DECISION_FORMAT, payload)
+    if window >= WINDOWS:
+        raise ValueError(f"window {window} cannot be")
     return {
         "type": "decision", "number": number, "time": time / 1e6, "state": STATES[state], "mode": mode, "af": af / 10, "ar": ar / 10, "v": v,
         "window": window, "zone": None if zone == 255 else zone, "free": free, "block": _block(x, y), "why": why, "took": took / 1000,
@@ -84,9 +131,12 @@ def _wheels(payload, full_speed):
 def _points(payload):
     size = struct.calcsize(protocol.POINTS_FORMAT)
     time, count = struct.unpack_from(protocol.POINTS_FORMAT, payload)
+    windows = list(payload[size + 4 * count :])
+    if len(windows) != count or max(windows, default=0) >= WINDOWS:
+        raise ValueError("windows that cannot be")
     return {
         "type": "points", "time": time / 1e6, "x": list(struct.unpack_from(f"<{count}h", payload, size)),
-        "y": list(struct.unpack_from(f"<{count}h", payload, size + 2 * count)), "window": list(payload[size + 4 * count : size + 5 * count]),
+        "y": list(struct.unpack_from(f"<{count}h", payload, size + 2 * count)), "window": windows,
     }  # fmt: skip
 
 
@@ -137,21 +187,32 @@ def _candidates(payload):
 
 def _parameter(payload):
     """The robot tells the value; default, unit and meaning are the same here as there, and it has no room for them."""
-    told = json.loads(payload)
+    told = _json(payload)
     key = told["key"]
+    told["value"]
+    if not isinstance(told.get("number", 0), int) or not isinstance(told.get("of", 1), int):
+        raise ValueError("numbers that cannot be")
     if key.startswith("servos.trims."):
         wheel = int(key.rpartition(".")[2])
         known = {"default": 0, "unit": "deg", "meaning": f"trim of axle {wheel // 2 + 1} {('left', 'right')[wheel % 2]}"}
     else:
         # A default of None goes with the body: only the robot knows it.
         known = _KNOWN.get(key, {"default": told["value"], "unit": "", "meaning": key})
-    return {"type": "parameter", **known, **told}
+    return {**known, **told, "type": "parameter"}
 
 
 def _reply(payload):
     counter, kind, status = struct.unpack_from(protocol.REPLY_FORMAT, payload)
     text = payload[struct.calcsize(protocol.REPLY_FORMAT) :].decode(errors="replace")
     return {"type": "reply", "counter": counter, "command": COMMANDS.get(kind, str(kind)), "status": STATUSES[status], "text": text}
+
+
+def _names(payload):
+    told = _json(payload)
+    for name in ("reasons", "faults"):
+        if not isinstance(told[name], list) or not all(map(_is_text, told[name])):
+            raise ValueError(f"{name} that cannot be")
+    return {**told, "type": "names"}
 
 
 _DECODERS = {
@@ -165,7 +226,7 @@ _DECODERS = {
     protocol.POSE: _pose,
     protocol.CANDIDATES: _candidates,
     protocol.REPLY: _reply,
-    protocol.NAMES: lambda payload: {"type": "names", **json.loads(payload)},
+    protocol.NAMES: _names,
 }
 
 COMMANDS = {

@@ -29,7 +29,7 @@ class PlaybackLink(Link):
         super().__init__(address)
         try:
             reader = recording.Reader(path)
-            self._story = list(story(reader))
+            self._story = sorted(story(reader), key=lambda entry: entry[0])
         except recording.RecordingError as error:
             raise LinkError(str(error)) from None
         self._times = [moment for moment, _ in self._story]
@@ -38,6 +38,8 @@ class PlaybackLink(Link):
         self.playing = True
         self.rate = 1.0
         self._cut = reader.cut
+        for text in reader.damage:
+            self._put({"type": "text", "text": text})
         self._open = True
         self._moves = threading.Lock()
         self._next = 0
@@ -97,8 +99,7 @@ class PlaybackLink(Link):
 def story(reader: recording.Reader):
     """[(seconds, message)] in order of time."""
     header = reader.header
-    if world := _world(header):
-        yield 0.0, world
+    world = _world(header)
     yield 0.0, {"type": "names", "reasons": list(header.reasons), "faults": []}
     telemetry = frames.FrameReader()
     full_speed = 1280.0
@@ -111,6 +112,10 @@ def story(reader: recording.Reader):
                     full_speed = message.get("full_speed", full_speed)
                     yield moment, message
         elif record.stream == recording.Stream.POSE:
+            if world is not None:
+                # Where the robot thinks it is begins anywhere: only true poses fit between the walls.
+                yield 0.0, world
+                world = None
             x, y, heading = recording.Pose.unpack(record.data)
             yield moment, {"type": "truth", "x": round(x, 1), "y": round(y, 1), "heading": round(heading, 2), "clearance": None, "time": moment}
         elif record.stream == recording.Stream.EVENT:
@@ -131,5 +136,5 @@ def _world(header: recording.Header) -> dict | None:
         names = ("course", "width", "gap", "seed", "mirror", "reverse", "angle", "scale")
         given = {key: value for key, value in wanted.items() if key in names}
         return world_of(courses.make(given.pop("course"), **given))
-    except (AddressError, ValueError, ImportError):
+    except (AddressError, ValueError, TypeError, ImportError):
         return None  # recorded with another version of the twin: the drive can be seen without the walls

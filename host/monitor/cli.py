@@ -78,6 +78,11 @@ def _serve(station, options) -> int:
     print(f"{station.address} is at {here}", flush=True)
     for other in elsewhere:
         print(f"from a phone or another computer: {other}", flush=True)
+    if elsewhere:
+        print(
+            "the page and its key go over the network unencrypted: whoever listens there can drive the robot; share it only in a network of your own",
+            file=sys.stderr, flush=True,
+        )  # fmt: skip
     if not options.no_browser:
         webbrowser.open(here)
     asyncio.run(server.run())

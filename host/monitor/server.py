@@ -1,7 +1,9 @@
 """The page and its WebSocket.
 
 The page is served on this computer alone, unless others are let in on purpose. Either way its address carries a random key, without which the
-WebSocket refuses: a web page from elsewhere, open in the same browser, must not be able to drive the robot.
+WebSocket refuses: a web page from elsewhere, open in the same browser, must not be able to drive the robot. For the same reason every request
+must name this computer by number as its host (a name of somebody else's that leads here is refused: DNS rebinding), and one with an origin
+must come from the page itself.
 
 Server to page: JSON lists of messages (`host.link.messages`), gathered for 40 ms. Page to server: JSON {"do": ...} (`Station.command`).
 """
@@ -36,7 +38,9 @@ class Server:
         self.key = secrets.token_urlsafe(9)
         self._socket = socket.create_server((host, port))
         self.port = self._socket.getsockname()[1]
+        self._hosts = {f"{name}:{self.port}" for name in ("127.0.0.1", "localhost", *(_own_addresses() if host == "0.0.0.0" else ()))}
         self._app = Microdot()
+        self._app.before_request(self._from_here)
         self._app.route("/")(self._index)
         self._app.route("/live")(self._live)
         self._app.route("/<path:path>")(self._file)
@@ -61,6 +65,14 @@ class Server:
             writer = _Writer(writer)
         await self._app.handle_request(reader, writer)
 
+    async def _from_here(self, request: Request):
+        """Refuses what did not begin with an address that the monitor printed."""
+        host = request.headers.get("Host", "")
+        origin = request.headers.get("Origin")
+        if host not in self._hosts or origin is not None and origin != f"http://{host}":
+            return Response("open the address that the monitor printed; requests by another name or from another page are refused", 403)
+        return None
+
     async def _index(self, request: Request):
         return self._give("index.html")
 
@@ -78,7 +90,7 @@ class Server:
         return Response(path.read_bytes(), headers=headers)
 
     async def _live(self, request: Request):
-        if not secrets.compare_digest(request.args.get("key", ""), self.key):
+        if not secrets.compare_digest(request.args.get("key", "").encode(), self.key.encode()):
             return Response("open the address that the monitor printed: its key is missing here", 403)
         page = await websocket_upgrade(request)
         await _Visit(page, self._station).run()
@@ -127,13 +139,15 @@ class _Visit:
     async def _obey(self, text) -> None:
         try:
             what = json.loads(text)
+            if not isinstance(what, dict):
+                raise ValueError("no command: a JSON object is needed")
             if what.get("do") == "drive":
                 self._drives = what.get("what") == "manual"
             if what.get("do") == "ping":
                 self._waiting.append({"type": "pong", "stamp": what.get("stamp")})
                 return
             await self._loop.run_in_executor(None, self._station.command, what)
-        except (ValueError, AttributeError) as error:
+        except (ValueError, AttributeError, OverflowError, RecursionError) as error:
             self._waiting.append({"type": "refused", "text": str(error)})
 
 

@@ -5,11 +5,16 @@ import time
 from pathlib import Path
 
 from host import recording
-from host.link import AddressError, LinkError, connect
+from host.link import AddressError, LinkError, connect, parse
 from host.link.base import Link
-from host.recording import Stream
+
+from .recorder import LinkRecorder
 
 LATEST = ("hello", "names", "world", "health", "decision", "points", "wheels", "pose", "truth", "scan", "candidates", "playback", "ended")
+
+RECORDINGS = Path("out")  # where a page records, and the only folder from which it opens recordings
+# What a page may ask of the twin: no files, and no code of the asker's choice. The command line takes every option.
+PAGE_OPTIONS = ("width", "gap", "seed", "mirror", "reverse", "angle", "scale", "mode", "speed")
 
 ASK_S, ASKED = 3.0, 10  # how long to wait for the parameters, and how often to ask
 
@@ -26,7 +31,8 @@ class Station:
         self._record_next = record
         self._latest: dict = {}
         self._parameters: dict = {}
-        self._recorder: _Recorder | None = None
+        self._recorder: LinkRecorder | None = None
+        self._given = address  # by the person who started the monitor: may be opened again, whatever it is
         self._lock = threading.Lock()
         self.link: Link | None = None
         self.open(address)
@@ -72,11 +78,17 @@ class Station:
         self.stop_recording()
         path = path or time.strftime("out/%Y%m%d-%H%M%S.rec")
         with self._lock:
-            known = dict(self._latest)
+            known, parameters = dict(self._latest), dict(self._parameters)
         if self.link is None:
             raise recording.RecordingError("nothing to record: no robot is connected")
-        self._recorder = _Recorder(path, self.link, self.address, known)
+        self._recorder = LinkRecorder(path, self.link, self.address, known, parameters, self._trouble)
         self._tell({"type": "recording", "path": self.recording})
+
+    def _trouble(self, text: str) -> None:
+        """From the link's thread: the recording has broken off."""
+        self._recorder = None
+        self._tell({"type": "recording", "path": None})
+        self._tell({"type": "text", "text": text})
 
     def stop_recording(self) -> None:
         if self._recorder:
@@ -90,11 +102,11 @@ class Station:
         do = what.get("do")
         try:
             if do == "open":
-                self.open(str(what["address"]))
+                self.open(self._allowed(str(what["address"])))
             elif do == "again":
                 self.open(self.address)
             elif do == "record":
-                self.record(what.get("path"))
+                self.record(_in_recordings(what["path"]) if what.get("path") else None)
             elif do == "end_recording":
                 self.stop_recording()
             elif do == "play" and hasattr(link, "seek"):
@@ -107,6 +119,17 @@ class Station:
             raise ValueError(str(error)) from None
         except (KeyError, TypeError) as error:
             raise ValueError(f"{do}: {error} is missing or wrong") from None
+
+    def _allowed(self, address: str) -> str:
+        """An address that a page may open. Raises AddressError: a page must neither read this computer's files nor run code on it."""
+        if address in (self._given, self.address):
+            return address
+        scheme, place, options = parse(address)
+        if scheme == "file":
+            return f"file:{_in_recordings(place)}"
+        if scheme == "twin" and (other := [name for name in options if name not in PAGE_OPTIONS]):
+            raise AddressError(f"twin option {other[0]!r} can be given on the command line only; a page may give {', '.join(PAGE_OPTIONS)}")
+        return address
 
     def _to_robot(self, link: Link, do, what: dict) -> None:
         if do == "drive":
@@ -168,6 +191,8 @@ class Station:
                     self._parameters[message["key"]] = message
                 elif message["type"] in LATEST:
                     self._latest[message["type"]] = message
+            if recorder := self._recorder:
+                recorder.message(message)
             self._tell(message)
 
     def _restarted(self, link: Link) -> None:
@@ -181,32 +206,11 @@ class Station:
             listener(message)
 
 
-class _Recorder:
-    """Records the bytes of a link, both ways, with the time of this computer."""
-
-    def __init__(self, path: str, link: Link, source: str, known: dict):
-        hello = known.get("hello", {})
-        header = recording.Header(
-            firmware=str(hello.get("firmware", "unknown")),
-            robot="",
-            source=source,
-            clock="host",
-            reasons=tuple(known.get("names", {}).get("reasons", ())),
-            notes={"hello": hello},
-        )
-        self.path = Path(path)
-        self._link = link
-        self._writer = recording.Writer(path, header)
-        self._began = time.monotonic()
-        self._lock = threading.Lock()
-        link.taps.append(self._tap)
-
-    def _tap(self, direction: str, data: bytes) -> None:
-        stream = Stream.TELEMETRY if direction == "in" else Stream.COMMAND
-        with self._lock:
-            self._writer.write(stream, int((time.monotonic() - self._began) * 1e6), data)
-
-    def close(self) -> None:
-        self._link.taps.remove(self._tap)
-        with self._lock:
-            self._writer.close()
+def _in_recordings(path) -> str:
+    """A file of the recordings' folder, named with or without it. Raises AddressError for all others."""
+    folder = RECORDINGS.resolve()
+    given = Path(str(path))
+    target = (given if given.parts[:1] == RECORDINGS.parts or given.is_absolute() else RECORDINGS / given).resolve()
+    if folder not in target.parents or target.suffix != ".rec":
+        raise AddressError(f"{path}: a page records into, and opens, files of the folder {RECORDINGS} whose names end in .rec; others by the command line")
+    return str(target.relative_to(Path.cwd())) if Path.cwd() in target.parents else str(target)

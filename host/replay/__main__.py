@@ -38,7 +38,7 @@ def main(argv: list[str] | None = None) -> int:
         tape = Tape(reader)
         changes = dict(_change(text) for text in options.set)
         robot = settings(reader.header.robot, changes)
-    except (RecordingError, ValueError) as error:
+    except (RecordingError, ValueError, TypeError, AttributeError) as error:
         return _misused(error)
     try:
         again = rerun(tape, robot, options.engine, options.firmware, float(reader.header.notes.get("chip", "inf")))
@@ -46,7 +46,7 @@ def main(argv: list[str] | None = None) -> int:
         return _misused(error)
     print(f"{options.file}: {reader.header.source}, {tape.then.end_us / 1e6:.1f} s")
     if tape.cut:
-        print(f"the file is {tape.cut}; what is before that was used")
+        print(f"the file is {tape.cut}; what is before that was replayed, what is behind it can be looked at (host.export, the monitor)")
         # The cut may lie between the writes of one moment: those behind it have nothing to be compared with.
         del again.log.writes[len(tape.then.writes) :]
     if reader.header.firmware != (here := version(options.firmware)):
@@ -62,6 +62,9 @@ def _misused(error: Exception) -> int:
 def _report(then, again, changes, reasons, rows) -> int:
     match = compare.decisions_by_time if changes else compare.decisions_by_number
     decisions, writes = match(then, again.log), compare.writes(then, again.log)
+    if not decisions.compared:
+        print("nothing was compared: the recording ends before the first decision" + (f"; now it ended early: {again.stopped}" if again.stopped else ""))
+        return MISUSED
     print(table.summary("decisions", decisions))
     for line in table.decisions(decisions, reasons, rows):
         print(line)

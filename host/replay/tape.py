@@ -39,6 +39,8 @@ class Tape:
         self._halts: deque = deque()
         last_read = 0
         for time, stream, data in reader:
+            if reader.damage:
+                break  # without what was lost the firmware would see something else from here on
             if stream in (Stream.COMMAND, Stream.INPUTS) and time != last_read:
                 # it came when the firmware waited; what came while it read a chip needs no halt, the reading is one
                 self._halts.append(time)
@@ -55,7 +57,7 @@ class Tape:
                 self.then.decisions.append((time, Decision.unpack(data)))
             elif stream == Stream.REGISTERS:
                 self.then.writes.append((time, data[0], data[1:]))
-        self.cut = reader.cut
+        self.cut = reader.damage[0] if reader.damage else reader.cut
         self.inputs = self._inputs[0][1] if self._inputs else Inputs(0, 0, ())
         if not self.then.writes:
             raise RecordingError(f"{reader.path} holds nothing to compare: the firmware gave nothing out before it ends")

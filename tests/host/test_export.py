@@ -182,6 +182,27 @@ def test_what_cannot_be_exported(tmp_path, capsys):
     assert "choose a folder" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("robot", ["", "{", "[]", '{"robot": 5}', '{"robot": {"width": "wide"}}', '{"avoid": {"margin": "x"}}'])
+def test_a_recording_without_its_robot_json_is_exported_and_says_so(tmp_path, capsys, robot):
+    pytest.importorskip("mcap", reason="needs the extra [export]")
+    with Writer(tmp_path / "a.rec", Header("1", robot, "serial:/dev/ttyUSB0", "host")) as writer:
+        for data in TELEMETRY:
+            writer.write(Stream.TELEMETRY, 400_000, data)
+        writer.write(Stream.LIDAR, 400_000, b"\xaa" * 100)
+    assert command_line.main([str(tmp_path / "a.rec"), str(tmp_path / "a.mcap")]) == 0
+    assert "it lacks scans" in (told := capsys.readouterr().out) and "it lacks the true pose" in told
+    assert (tmp_path / "a.mcap").stat().st_size > 500
+
+
+def test_a_damaged_recording_is_exported_with_what_follows(tmp_path, capsys):
+    path = write(tmp_path / "a.rec")
+    whole = path.read_bytes()
+    path.write_bytes(whole[:3000] + bytes(40) + whole[3040:])
+    assert command_line.main([str(path), str(tmp_path / "a.csv")]) == 1
+    assert "damaged at byte" in capsys.readouterr().out
+    assert (tmp_path / "a.csv").read_text().count("\n") == 3
+
+
 @pytest.mark.parametrize("bearing, angle", [(0, 0), (90, -pi / 2), (270, pi / 2), (180, -pi), (359.9, 0.1 * pi / 180)])
 def test_bearings(bearing, angle):
     assert frames.body_angle(bearing) == pytest.approx(angle)

@@ -234,8 +234,8 @@ def recorded(tmp_path):
 def test_a_recording_plays_as_it_was(recorded):
     with connect(f"file:{recorded}") as link:
         link.rate = 30
-        assert len(link.wait_for("world")["walls"]) == 7
         assert link.wait_for("names")["reasons"] == ["one", "two"]
+        assert len(link.wait_for("world")["walls"]) == 7
         assert [link.wait_for("decision")["number"] for _ in range(30)] == list(range(30))
         assert link.wait_for("event")["text"] == "pass"
 

@@ -82,11 +82,11 @@ def server(station):
 class Page:
     """A page's end of the WebSocket."""
 
-    def __init__(self, server, key=None):
+    def __init__(self, server, key=None, host=None, origin=None):
         self.socket = socket.create_connection(("127.0.0.1", server.port), timeout=3)
         nonce = base64.b64encode(os.urandom(16)).decode()
         self.socket.sendall(
-            f"GET /live?key={server.key if key is None else key} HTTP/1.1\r\nHost: here\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            f"GET /live?key={server.key if key is None else key} HTTP/1.1\r\nHost: {host or f'127.0.0.1:{server.port}'}\r\n{f'Origin: {origin}' + chr(13) + chr(10) if origin else ''}Upgrade: websocket\r\nConnection: Upgrade\r\n"
             f"Sec-WebSocket-Key: {nonce}\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
         )
         self.file = self.socket.makefile("rb")
@@ -144,6 +144,87 @@ def test_without_the_key_nobody_drives(server, key):
     page = Page(server, key)
     assert page.status == 403
     page.close()
+
+
+def test_other_names_and_other_pages_are_refused(server):
+    """A name of somebody else's that leads here (DNS rebinding), and a page from elsewhere in the same browser, even with the key."""
+    here = f"127.0.0.1:{server.port}"
+    for host, origin, status in ((here, f"http://{here}", 101), (here, None, 101), ("evil.example", None, 403), (f"evil.example:{server.port}", None, 403),
+                                 (here, "http://evil.example", 403), (here, "null", 403), (here, f"https://{here}", 403)):  # fmt: skip
+        page = Page(server, host=host, origin=origin)
+        assert page.status == status, (host, origin)
+        page.close()
+    request = urllib.request.Request(f"http://{here}/", headers={"Host": "evil.example"})
+    with pytest.raises(urllib.error.HTTPError) as refused:
+        urllib.request.urlopen(request, timeout=3)
+    assert refused.value.code == 403
+
+
+@pytest.mark.parametrize("path", ["/tmp/x.rec", "../x.rec", "out/../../x.rec", "out/x.py", "x", "out", "~/x.rec", ".rec/../../x.rec"])
+def test_a_page_records_into_its_folder_only(station, path, tmp_path):
+    with pytest.raises(ValueError, match="out"):
+        station.command({"do": "record", "path": path}) if path != "~/x.rec" else station.command({"do": "record", "path": "/root/x.rec"})
+    with pytest.raises(ValueError, match="out"):
+        station.command({"do": "open", "address": f"file:{path}"}) if path != "~/x.rec" else station.command({"do": "open", "address": "file:/etc/x.rec"})
+    assert station.recording is None and station.address == "serial:/dev/bench"
+
+
+def test_a_page_records_under_a_name_of_its_choice(station, tmp_path):
+    station.command({"do": "record", "path": "deep/drive.rec"})
+    assert station.recording == "out/deep/drive.rec"
+    station.stop_recording()
+    station.command({"do": "open", "address": "file:deep/drive.rec"})
+    assert station.address == "file:out/deep/drive.rec"
+
+
+@pytest.mark.parametrize("option", ["firmware=/tmp/evil", "config=/etc/passwd", "record=/tmp/x.rec", "engine=cpython"])
+def test_a_page_chooses_the_course_but_no_code_and_no_files(station, option):
+    with pytest.raises(ValueError, match="command line only"):
+        station.command({"do": "open", "address": f"twin:z?width=550&{option}"})
+    station.command({"do": "open", "address": "twin:z?width=550&seed=3"})
+    assert station.address == "twin:z?width=550&seed=3"
+
+
+def test_what_was_given_on_the_command_line_may_be_opened_again(monkeypatch, tmp_path):
+    monkeypatch.setattr("host.monitor.station.connect", Bench)
+    station = Station("twin:z?config=/home/me/robot.json")
+    station.command({"do": "open", "address": "twin:z"})
+    station.command({"do": "open", "address": "twin:z?config=/home/me/robot.json"})
+    station.close()
+
+
+def test_a_recording_of_a_link_carries_what_the_robot_told_of_itself(station):
+    told = b'{"firmware": "0.1.0", "robot": "gapseeker-1", "board": "00ff", "width": 260, "length": 700, "track": 230, "spacings": [115, 150]}'
+    station.link._receive(whole_frames.frame(protocol.HELLO, struct.pack(protocol.HELLO_FORMAT, b"11111111", 0) + told))
+    for key, value in (("avoid.margin", b"20"), ("servos.trims.0", b"1.5"), ("servos.trims.1", b"-2")):
+        station.link._receive(whole_frames.frame(protocol.PARAMETER, b'{"key": "%s", "value": %s}' % (key.encode(), value)))
+    assert until(lambda: len(station.known()) == 5)
+    station.command({"do": "record"})
+    station.link._put({"type": "truth", "x": 750.0, "y": 20.0, "heading": 90.0})
+    path = station.recording
+    assert until(lambda: [message for message in station.known() if message["type"] == "truth"])
+    station.stop_recording()
+    reader = recording.Reader(path)
+    assert json.loads(reader.header.robot) == {
+        "robot": {"width": 260, "length": 700}, "axles": {"track": 230, "spacings": [115, 150]}, "avoid": {"margin": 20}, "servos": {"trims": [1.5, -2]},
+    }  # fmt: skip
+    (pose,) = reader.stream(Stream.POSE)
+    assert recording.Pose.unpack(pose.data) == (750, 20, 90)
+
+
+def test_a_full_disk_ends_the_recording_and_not_the_link(station, monkeypatch):
+    station.command({"do": "record"})
+    heard = []
+    station.listeners.append(heard.append)
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(recording.Writer, "write", full)
+    station.link._receive(decision(5))
+    assert station.recording is None
+    assert any("No space left" in message.get("text", "") for message in heard)
+    assert until(lambda: any(message["type"] == "decision" for message in heard))
 
 
 def test_messages_reach_the_page_and_late_pages_too(server, station):

@@ -138,6 +138,28 @@ def test_a_cut_file_is_replayed_up_to_the_cut(firmware, recording, tmp_path, cap
     assert "cut off at byte" in capsys.readouterr().out
 
 
+def test_a_damaged_file_is_replayed_up_to_the_damage(firmware, recording, tmp_path, capsys):
+    whole = recording.read_bytes()
+    at = len(whole) * 3 // 4
+    (tmp_path / "bad.rec").write_bytes(whole[:at] + bytes(40) + whole[at + 40 :])
+    assert replay(firmware, tmp_path / "bad.rec") == 0
+    told = capsys.readouterr().out
+    assert "damaged at byte" in told and "decisions compared: all the same" in told
+
+
+def test_where_nothing_is_compared_nothing_is_the_same(firmware, recording, tmp_path, capsys):
+    """Cut off before the first decision, after the first writes."""
+    reader = Reader(recording)
+    with Writer(tmp_path / "short.rec", reader.header) as writer:
+        for time, stream, data in reader:
+            if stream == Stream.DECISION:
+                break
+            writer.write(stream, time, data)
+    assert replay(firmware, tmp_path / "short.rec") == 2
+    told = capsys.readouterr().out
+    assert "nothing was compared" in told and "all the same" not in told
+
+
 def test_other_settings_show_what_would_have_changed(firmware, recording, capsys):
     assert replay(firmware, recording, "--set", "drive.cruise=100", "--rows", "2") == 1
     printed = capsys.readouterr().out
