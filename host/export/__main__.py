@@ -42,14 +42,14 @@ def main(argv: list[str] | None = None) -> int:
 def _export(reader: Reader, out: Path) -> tuple[int, str, list[str]]:
     """(how many, of what, what the recording lacks)."""
     if out.suffix == ".csv":
-        from .to_csv import export
+        from . import to_csv
 
-        return export(reader, out), "decisions", []
+        return to_csv.export(reader, out), "decisions", []
     if out.suffix == ".mcap":
-        from .to_mcap import export
+        from . import to_mcap
 
         lacks: list[str] = []
-        return export(reader, out, lacks), "messages", lacks
+        return to_mcap.export(reader, out, lacks), "messages", lacks
     raise ExportError(f"{out}: the name must end in .mcap (for Foxglove) or .csv (a table)")
 
 

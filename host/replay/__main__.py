@@ -51,6 +51,9 @@ def main(argv: list[str] | None = None) -> int:
         del again.log.writes[len(tape.then.writes) :]
     if reader.header.firmware != (here := version(options.firmware)):
         print(f"recorded with firmware {reader.header.firmware}, this is {here}: differences are to be expected")
+    if tape.cut and not tape.then.decisions:
+        print("nothing was compared: no decision was recorded before that")
+        return MISUSED
     return _report(tape.then, again, changes, reader.header.reasons, options.rows)
 
 
@@ -62,10 +65,7 @@ def _misused(error: Exception) -> int:
 def _report(then, again, changes, reasons, rows) -> int:
     match = compare.decisions_by_time if changes else compare.decisions_by_number
     decisions, writes = match(then, again.log), compare.writes(then, again.log)
-    if not decisions.compared:
-        print("nothing was compared: the recording ends before the first decision" + (f"; now it ended early: {again.stopped}" if again.stopped else ""))
-        return MISUSED
-    print(table.summary("decisions", decisions))
+    print(table.summary("decisions", decisions) if then.decisions else "no decision was recorded")
     for line in table.decisions(decisions, reasons, rows):
         print(line)
     print(table.summary("register writes", writes))

@@ -197,7 +197,7 @@ def test_a_recording_without_its_robot_json_is_exported_and_says_so(tmp_path, ca
 def test_a_damaged_recording_is_exported_with_what_follows(tmp_path, capsys):
     path = write(tmp_path / "a.rec")
     whole = path.read_bytes()
-    path.write_bytes(whole[:3000] + bytes(40) + whole[3040:])
+    path.write_bytes(whole[:3000] + b"\x55" * 40 + whole[3040:])
     assert command_line.main([str(path), str(tmp_path / "a.csv")]) == 1
     assert "damaged at byte" in capsys.readouterr().out
     assert (tmp_path / "a.csv").read_text().count("\n") == 3
