@@ -22,7 +22,6 @@ passed several times; from then on only that one is.
 Source: vendor protocol manuals of Delta-1A/2A/2D; the CRC of version 0 from the vendor's SDK for the Delta-2B.
 """
 
-from array import array
 from time import ticks_add, ticks_diff
 
 import micropython
@@ -243,34 +242,9 @@ class Lidar:
     """
 
     def __init__(self, uart, motor_pwm, config):
-        self._uart = uart
-        self._motor = motor_pwm
+        from perception.build import lidar
 
-        self.n = 0
-        self.bearings = array("H", bytes(2 * _MAX_POINTS))
-        self.distances = array("H", bytes(2 * _MAX_POINTS))
-        self.signals = bytearray(_MAX_POINTS)
-        self.frame_us = 0
-        self.ok = False
-        self.speed20 = 0
-        self.frames = 0
-        self.speed_faults = 0
-        self.overflows = 0
-
-        self._store = bytearray(_STORE)
-        self._chunk = bytearray(_CHUNK)
-        self._state = state = array("i", bytes(4 * _STATES))
-        state[_FRAMES] = config.lidar_frames
-        state[_WIDTH] = 36000 // config.lidar_frames
-        state[_SECTOR] = _TURN // config.lidar_frames
-        state[_OFFSET] = (config.lidar_offset % 3600) << 17
-        state[_MIRRORED] = 1 if config.lidar_mirrored else 0
-        state[_TARGET] = config.lidar_speed20
-        state[_RXBUF] = config.lidar_rxbuf
-        state[_BYTE_NS] = 10_000_000_000 // config.lidar_baud
-        state[_FRAME_US20] = 20_000_000 // config.lidar_frames
-        self._motor_sum = 0
-        self._duty = -1
+        lidar(self, uart, motor_pwm, config)
         self._set_period(config.lidar_speed20)
 
     @property

@@ -199,36 +199,24 @@ def _solve(u: int, v: int, w: int, work: ptr32, angles: ptr16, shares: ptr16, mi
 class Steering:
     """Wheel angles and speed shares for one set of axles.
 
-    spacings: mm between neighbouring axles, front to rear, ints or floats, each > 0; one fewer than there are axles, at least one.
-    track: mm between the left and the right wheels, > 0 and less than 8 S, S being the sum of the spacings.
-    first: mm from the body's centre forward to the first axle, half of S (also None) where the axles lie evenly about the centre.
-    Raises ValueError otherwise, or for more than 15 axles.
+    axles: from core.axles.lay_out(); several may be made of the same.
 
     Wheel (i, j), axle i = 1 .. n from the front, j = 1 left, 2 right, has index 2 (i - 1) + (j - 1).
 
-    n           number of axles
     span        S, mm
     angles      array('h', 2n): wheel angles, 0.1 deg, -900 .. 900
     shares      array('h', 2n): signed speed * 16384; the fastest wheel has 16384 (or -16384), a folded one is negative
     folded      bit k set: the direction of motion of wheel k lies beyond 90 deg; it is turned by 180 deg and runs in reverse
-    mode        1 .. 7: adverse phase, first axle straight, last axle straight, spin, lateral (a crab), same phase, straight
     vx, vy      velocity of the body's centre * 16384, when the fastest wheel moves at 1
     w           angular rate clockwise * S/2, * 16384, likewise
     af, ar      what was solved last
     """
 
-    def __init__(self, spacings, track, first=None):
-        from core.axles import lay_out
-
-        self._work, self.n, span = lay_out(spacings, track)
-        self.spacings = spacings
-        self.track = track
-        self.first = span / 2 if first is None else first
-        self.span = span
-        # From the middle of the axles back to the body's centre, over S/2, in 2**-14
-        self._back = int(round((span / 2 - self.first) * 32768 / span))
-        self.angles = array("h", bytes(4 * self.n))
-        self.shares = array("h", bytes(4 * self.n))
+    def __init__(self, axles):
+        self._work, self.span, self._back = axles
+        size = 4 * self._work[_AXLES]
+        self.angles = array("h", bytes(size))
+        self.shares = array("h", bytes(size))
         self.solve(0, 0)
 
     def solve(self, af, ar):
@@ -266,22 +254,9 @@ class Steering:
         self.vx = work[_VX] - _ZERO + (w * self._back >> 14)
         return True
 
-    @property
-    def mode(self):
-        return mode_of(self.af, self.ar)
-
-    def outside(self, low, high):
-        """Index of the first wheel whose angle lies outside low[k] .. high[k] (array('h') of 2n, 0.1 deg), -1 if none does."""
-        k = 0
-        for angle in self.angles:
-            if not low[k] <= angle <= high[k]:
-                return k
-            k += 1
-        return -1
-
 
 def mode_of(af, ar):
-    """The steering mode, 1 .. 7, of AF and AR in 0.1 deg."""
+    """The steering mode of AF and AR in 0.1 deg: 1 adverse phase, 2 first axle straight, 3 last, 4 spin, 5 lateral (a crab), 6 same phase, 7 straight."""
     if af == ar:
         return _LATERAL if af else _STRAIGHT
     if af == 0:

@@ -9,6 +9,7 @@ from fake_chips import FakeBus, FakePin
 
 from actuation.drive import Drive
 from actuation.outputs import Outputs
+from core.axles import lay_out
 from params.change import change
 from params.config import Config
 from pca9685 import PCA9685
@@ -30,7 +31,7 @@ class _Robot:
             PCA9685(self.bus, config.motors_left, config.motors_frequency, channels=max(config.motors_channels) + 2),
             PCA9685(self.bus, config.motors_right, config.motors_frequency, channels=max(config.motors_channels) + 2),
         )
-        self.drive = Drive(Steering(config.axles_spacings, config.axles_track, config.axles_first), *chips, self.enable, config)
+        self.drive = Drive(lay_out(config.axles_spacings, config.axles_track, config.axles_first), *chips, self.enable, config)
         self.now = start_us
         self.wheels = 2 * config.axles
 
@@ -104,7 +105,7 @@ def test_pulses_of_the_wheels():
     robot = _Robot().ready()
     robot.drive.command(300, -200, 90)
     robot.step(30)
-    exact = Steering(robot.config.axles_spacings, robot.config.axles_track)
+    exact = Steering(lay_out(robot.config.axles_spacings, robot.config.axles_track))
     exact.solve(300, -200)
     for angle, wanted in zip(robot.angles(), exact.angles):
         assert abs(angle - wanted / 10) < 0.23, (angle, wanted)
@@ -146,7 +147,7 @@ def test_speed_of_the_fastest_wheel_and_shares_of_the_others():
     robot = _Robot().ready()
     robot.drive.command(300, -300, 126)
     robot.step(80)
-    exact = Steering(robot.config.axles_spacings, robot.config.axles_track)
+    exact = Steering(lay_out(robot.config.axles_spacings, robot.config.axles_track))
     exact.solve(300, -300)
     for speed, share in zip(robot.speeds(), exact.shares):
         assert abs(speed - 4096 * 0.4 * share / 16384) <= 1.5
@@ -276,7 +277,7 @@ def test_small_changes_are_driven_round_one_turning_centre():
     robot = _Robot({"servos": {"swing": 60}}).ready()
     robot.drive.command(100, -100, 108)
     robot.step(30)
-    exact = Steering(robot.config.axles_spacings, robot.config.axles_track)
+    exact = Steering(lay_out(robot.config.axles_spacings, robot.config.axles_track))
     before = robot.angles()
     for af, ar in ((350, -250), (300, 50), (-100, -100)):
         robot.drive.command(af, ar, 108)
@@ -296,7 +297,7 @@ def test_small_changes_are_driven_round_one_turning_centre():
 def test_no_wheel_is_told_to_turn_faster_than_its_servo():
     for rate in (300, 100):
         robot = _Robot({"servos": {"swing": 90, "rate": rate}}).ready()
-        exact = Steering(robot.config.axles_spacings, robot.config.axles_track)
+        exact = Steering(lay_out(robot.config.axles_spacings, robot.config.axles_track))
         step = rate * 10 // 50
         seed = 3
         driven = 0
@@ -633,7 +634,7 @@ def test_no_output_enable_pin():
     config = Config({"pins": {"output_enable": None}})
     bus = FakeBus()
     chips = PCA9685(bus, SERVOS), PCA9685(bus, LEFT, 1000), PCA9685(bus, RIGHT, 1000)
-    drive = Drive(Steering(config.axles_spacings, config.axles_track), *chips, None, config)
+    drive = Drive(lay_out(config.axles_spacings, config.axles_track), *chips, None, config)
     drive.update(0)
     assert drive.ok and bus.chips[SERVOS].count(0) == 307
 

@@ -9,11 +9,11 @@ from fake_chips import FakeBus, FakePin
 import robot as loop
 from actuation.drive import Drive
 from avoid import Avoid
+from core.axles import lay_out
 from lidar import Lidar
 from params.config import Config
 from pca9685 import PCA9685
 from safety.health import Health
-from steering import Steering
 
 # The emulation of viper is a hundred times slower: there the loop is only run to see that it can be.
 _TURNS = 20 if sys.implementation.name == "micropython" else 2
@@ -49,7 +49,7 @@ def _robot(mode, clock):
     config = Config({"mode": mode})
     bus = FakeBus()
     chips = [PCA9685(bus, address, frequency) for address, frequency in ((0x40, 50), (0x41, 1000), (0x42, 1000))]
-    drive = Drive(Steering(config.axles_spacings, config.axles_track, config.axles_first), chips[0], chips[1], chips[2], FakePin(), config)
+    drive = Drive(lay_out(config.axles_spacings, config.axles_track, config.axles_first), chips[0], chips[1], chips[2], FakePin(), config)
     lidar = Lidar(_Line(bytes(rooms.FRAMES * rooms.FRAME_SIZE)), None, config)
     loop.ticks_us = clock
     return loop.Robot(config, Avoid(config), lidar, drive, Health(lidar, drive, None, None, config)), bus

@@ -2,6 +2,7 @@
 
 from math import cos, pi, sin, sqrt, tan
 
+from core.axles import lay_out
 from perception.odometry import Odometry
 from steering import Steering
 
@@ -14,7 +15,7 @@ class _Config:
 
 class _Drive:
     def __init__(self, af, ar, v):
-        self.steering = Steering(SPACINGS, 230, 248.5)
+        self.steering = Steering(lay_out(SPACINGS, 230, 248.5))
         assert self.steering.solve(af, ar)
         self.v256 = (v - 90) * 256
 

@@ -253,11 +253,12 @@ import("/geometry.js").then((g) => {
 
 def test_the_page_s_geometry_is_the_robot_s(monitor):
     """Wheel angles against the firmware's steering; swept ways against small steps."""
+    from core.axles import lay_out
     from link import protocol  # noqa: F401  makes sure that the firmware's modules can be imported
     from steering import Steering
 
     page = monitor("twin:z?width=620")
-    steering = Steering([115, 150, 117, 115], 230, 248.5)
+    steering = Steering(lay_out([115, 150, 117, 115], 230, 248.5))
     cases = [(60, -60), (-30, 12), (0, -40), (35, 0), (50, 50), (25, 10), (90, -90)]
     found = page.browser.execute_async_script(GEOMETRY, cases)
     for (af, ar), one in zip(cases, found, strict=True):

@@ -11,7 +11,6 @@ What the wheels do now is what the servos were told `servos.latency` ago, and wh
 to be matched by these three numbers.
 """
 
-from array import array
 from time import ticks_add, ticks_diff
 
 import micropython
@@ -74,7 +73,7 @@ def _fill(past: ptr16, af: int, ar: int):
 class Drive:
     """Drives the wheels of one robot.
 
-    steering: Steering of the robot; from now on it is the drive's, solved for the estimate. The chips and output_enable: see Outputs.
+    axles: from core.axles.lay_out(). The chips and output_enable: see Outputs.
 
     Everything is off after construction. The first update() sets the chips up, switches the outputs on with all wheels straight, and waits until
     the wheels must have arrived from wherever they stood.
@@ -87,33 +86,10 @@ class Drive:
     ok, fault       False, and why, while a chip does not answer: all outputs are off then
     """
 
-    def __init__(self, steering, servo_chip, motor_left, motor_right, output_enable, config):
-        self.steering = steering
-        self.aim = Steering(steering.spacings, steering.track, steering.first)
-        self._goal = Steering(steering.spacings, steering.track, steering.first)
-        self._trial = Steering(steering.spacings, steering.track, steering.first)
-        self._wheels = 2 * steering.n
-        self._config = config
-        self._outputs = Outputs(servo_chip, motor_left, motor_right, output_enable, config)
-        self._low = config.servos_low
-        self._high = config.servos_high
-        self._period_us = 1000000 // config.servos_frequency
-        self._due = -1
-        self.af = 0
-        self.ar = 0
-        self.v256 = 0
-        self.turning = True
-        self.told_v256 = 0
-        self._goal_v256 = 0
-        self._restarts = 0
-        self._swinging = False  # the wheels were told to swing; turning without it: the robot still rolls
-        self._delay = 0  # periods until the swing shows
-        self._positions = array("h", bytes(2 * self._wheels))  # where the wheels are taken to stand
-        self._pointed = array("h", bytes(2 * self._wheels))  # angles while one wheel is pointed on its own
-        self._pointing = False
-        self._past = array("h", bytes(4 * _HISTORY))  # AF, AR of each period
-        self._now = 0  # place of the period that has begun
-        self._speed = 0  # v256 in 1/256 at its end
+    def __init__(self, axles, servo_chip, motor_left, motor_right, output_enable, config):
+        from actuation.wiring import drive
+
+        drive(self, [Steering(axles) for _ in range(4)], Outputs(servo_chip, motor_left, motor_right, output_enable, config), config)
         self._derive()
 
     @property
@@ -129,7 +105,11 @@ class Drive:
         goal = self._goal
         if af != goal.af or ar != goal.ar:
             before_af, before_ar = goal.af, goal.ar
-            if not goal.solve(af, ar) or goal.outside(self._low, self._high) >= 0:
+            possible = goal.solve(af, ar)
+            for k in range(self._wheels):
+                if not self._low[k] <= goal.angles[k] <= self._high[k]:
+                    possible = False
+            if not possible:
                 goal.solve(before_af, before_ar)
                 self._goal_v256 = 0
                 return False

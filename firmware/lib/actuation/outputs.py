@@ -4,8 +4,6 @@ Servos: angle + trim, direction and pulse range of each wheel -> pulse width. Mo
 backward, both low brake. The output enable line keeps everything off until the registers of all chips are valid.
 """
 
-from array import array
-
 import micropython
 from micropython import const
 
@@ -99,24 +97,10 @@ class Outputs:
     """
 
     def __init__(self, servo_chip, motor_left, motor_right, output_enable, config):
-        self._enable = output_enable
-        self._enabled = None
-        self._set_enabled(False)
-        self.ok = False
-        self.fault = ""
-        self.restarts = 0
-        self._config = config
-        self._chips = (servo_chip, motor_left, motor_right)
-        self._unsent = 0  # bit k: chip k holds other registers than its image
-        self._rolling = False  # the motors were told to turn
-        self._ticks_a_second = config.servos_frequency
-        self._looked = -1  # third of a second in which a chip was looked at last
-        self._tick = -1  # counts servo periods round a second; chips that failed are tried at 0
-        from actuation.wiring import motor_wires, servo_lines
+        from actuation.wiring import outputs
 
-        self._lines = servo_lines(config, servo_chip)
-        self._wires = motor_wires(config)
-        self._trims = array("h", bytes(4 * config.axles))  # those that the lines contain
+        outputs(self, (servo_chip, motor_left, motor_right), output_enable, config)
+        self._set_enabled(False)
         self.derive()
 
     def derive(self):

@@ -11,8 +11,14 @@ _TRACK = const(4)
 _FIRST = const(5)
 
 
-def lay_out(spacings, track):
-    """(array for Steering, number of axles, mm from the first to the last); ValueError for axles that no robot has."""
+def lay_out(spacings, track, first=None):
+    """What Steering is made of: its array, mm from the first axle to the last, and how far the body's centre lies ahead of the middle of them.
+
+    spacings: mm between neighbouring axles, front to rear, ints or floats, each > 0; one fewer than there are axles, at least one.
+    track: mm between the left and the right wheels, > 0 and less than 8 S, S being the sum of the spacings.
+    first: mm from the body's centre forward to the first axle, half of S (also None) where the axles lie evenly about the centre.
+    Raises ValueError otherwise, or for more than 15 axles. The last of the three is over S/2, in 2**-14.
+    """
     if not spacings:
         raise ValueError("a robot has two axles at least: give one spacing or more")
     if len(spacings) > 14:
@@ -30,7 +36,8 @@ def lay_out(spacings, track):
     for k in range(n - 1):
         behind += spacings[k]
         work[_FIRST + 1 + k] = _ratio(2 * behind, span)
-    return work, n, span
+    back = 0 if first is None else int(round((span / 2 - first) * 32768 / span))
+    return work, span, back
 
 
 def _ratio(length, span):

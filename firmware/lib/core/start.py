@@ -75,10 +75,12 @@ def _avoid(config):
 def _drive(config, servos, left, right, enable):
     """Everything that moves is off until the first decision."""
     from actuation.drive import Drive
-    from steering import Steering
+    from core.axles import lay_out
 
     once = config.once
-    drive = Drive(Steering(once["axles_spacings"], once["axles_track"], once["axles_first"]), servos, left, right, enable, config)
+    axles = lay_out(once["axles_spacings"], once["axles_track"], once["axles_first"])
+    drive = Drive(axles, servos, left, right, enable, config)
+    lay_out = None
     unload("actuation.wiring", "core.axles")
     return drive
 
@@ -97,7 +99,9 @@ def _link(config, wlan, remark):
 def _lidar(config, line, motor):
     from lidar import Lidar
 
-    return Lidar(line, motor, config)
+    lidar = Lidar(line, motor, config)
+    unload("perception.build")
+    return lidar
 
 
 def _robot(config, avoid, drive, link, lidar, button, adc, screen_line):

@@ -61,7 +61,7 @@ def wheels(data, drive, now_us):
     """As they stand now."""
     data[_TYPE] = _WHEELS
     steering = drive.steering
-    count = 2 * steering.n
+    count = len(steering.angles)
     pack_into("<IhhhIB", data, _AT, now_us & _TIME, drive.af, drive.ar, drive.v256, steering.folded, count)
     copy(steering.angles, 0, 2 * count, data, _AT + _WHEELS_SIZE)
     copy(steering.shares, 0, 2 * count, data, _AT + _WHEELS_SIZE + 2 * count)

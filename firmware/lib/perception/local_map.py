@@ -37,7 +37,6 @@ _SHARE = const(8)
 _OLDEST = const(192)  # 3 s
 _LONGEST_US = const(114_688)  # 7 units of time: what passes at most from frame to frame, where the lidar was silent; 8 frames of it fit above
 _MOST_GONE = const(16)  # dropped on a frame: others are disproved again when the lidar comes round
-_KEPT = const(240)  # most units of travel that a point is kept
 
 # Odometry's step and the times are taken in 16 us, so that their products with displacements stay small.
 _STEP = const(625)
@@ -389,30 +388,9 @@ class LocalMap:
     """
 
     def __init__(self, config):
-        length = config.robot_length
-        far8 = min(length * 14, 30000)  # 1.75 body lengths to each side
-        self.keep = 6 * length  # lining up at a corner takes many short moves
-        self.x = array("H", bytes(2 * _CAPACITY))
-        self.y = array("H", bytes(2 * _CAPACITY))
-        self._seen = bytearray(_CAPACITY)
-        self._travel = bytearray(_CAPACITY)
-        self._gone = array("H", bytes(2 * _MOST_GONE))
-        self._index = array("H", b"\xff\xff" * _HASH)
-        self._lidar_x = config.lidar_x
-        self._lidar_y = config.lidar_y
-        self._frames = config.lidar_frames
-        self._frame_us = 0
-        self._period_us = 0
-        self._due = 0
-        self._state = state = array("i", bytes(4 * _STATES))
-        state[_FAR] = far8
-        state[_CELL] = length * 8 // 30
-        state[_REACH] = min(far8 * 7 // 10, 4 * config.lidar_far, 32000)
-        state[_CLOSE] = 4 * config.lidar_near
-        while self.keep >> state[_UNIT] > _KEPT:
-            state[_UNIT] += 1
-        state[_KEEP] = self.keep >> state[_UNIT]
-        state[_COARSE] = length * 8
+        from perception.build import local_map
+
+        local_map(self, config)
 
     @property
     def count(self):

@@ -12,8 +12,6 @@ zone    9 | 0 | 1     0 front, 1 right front corner, 2 and 3 right side front an
         6 | 5 | 4
 """
 
-from array import array
-
 import micropython
 from micropython import const
 
@@ -114,14 +112,9 @@ class Windows:
     """
 
     def __init__(self, config, capacity):
-        self.window = bytearray(capacity)
-        self.near = 0
-        self.urgent = NONE
-        self._size = size = array("i", bytes(4 * _SIZES))
-        size[_HALF_WIDTH] = config.robot_width // 2
-        size[_HALF_LENGTH] = config.robot_length // 2
-        size[_BAND] = config.avoid_soft_margin + BAND_MM
-        size[_AHEAD] = config.windows_look_ahead
+        from perception.build import windows
+
+        windows(self, config, capacity)
         self.configure(config)
 
     def configure(self, config):

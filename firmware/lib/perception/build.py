@@ -1,0 +1,73 @@
+"""What the constructors of lidar, map and windows do. Needed once, at the start: then it is unloaded, and leaves its room to the robot."""
+
+from array import array
+
+from micropython import const
+
+from perception.windows import BAND_MM
+
+_MAX_POINTS = const(80)  # lidar.py
+_STORE = const(416)
+_CHUNK = const(160)
+_TURN = const(471859200)
+_CAPACITY = const(320)  # local_map.py
+_HASH = const(512)
+_MOST_GONE = const(16)
+_KEPT = const(240)
+
+
+def lidar(self, uart, motor_pwm, config):
+    """Fields of a Lidar."""
+    self._uart = uart
+    self._motor = motor_pwm
+    self.n = self.frame_us = self.speed20 = self.frames = self.speed_faults = self.overflows = self._motor_sum = 0
+    self.ok = False
+    self._duty = -1
+    self.bearings = array("H", bytes(2 * _MAX_POINTS))
+    self.distances = array("H", bytes(2 * _MAX_POINTS))
+    self.signals = bytearray(_MAX_POINTS)
+    self._store = bytearray(_STORE)
+    self._chunk = bytearray(_CHUNK)
+    frames = config.lidar_frames
+    # The places from _FRAMES on, as lidar.py lists them; what comes before is 0 at first.
+    self._state = array(
+        "i",
+        [0] * 23
+        + [
+            frames, 36000 // frames, _TURN // frames, (config.lidar_offset % 3600) << 17, 1 if config.lidar_mirrored else 0,
+            config.lidar_speed20, config.lidar_rxbuf, 10_000_000_000 // config.lidar_baud, 20_000_000 // frames,
+        ],
+    )  # fmt: skip
+
+
+def local_map(self, config):
+    """Fields of a LocalMap."""
+    length = config.robot_length
+    far8 = min(length * 14, 30000)  # 1.75 body lengths to each side
+    self.keep = 6 * length  # lining up at a corner takes many short moves
+    self.x = array("H", bytes(2 * _CAPACITY))
+    self.y = array("H", bytes(2 * _CAPACITY))
+    self._seen = bytearray(_CAPACITY)
+    self._travel = bytearray(_CAPACITY)
+    self._gone = array("H", bytes(2 * _MOST_GONE))
+    self._index = array("H", b"\xff\xff" * _HASH)
+    self._lidar_x = config.lidar_x
+    self._lidar_y = config.lidar_y
+    self._frames = config.lidar_frames
+    self._frame_us = self._period_us = self._due = 0
+    unit = 0
+    while self.keep >> unit > _KEPT:
+        unit += 1
+    # In the order of the places in local_map.py
+    reach = min(far8 * 7 // 10, 4 * config.lidar_far, 32000)
+    cells = length * 8 // 30, reach, 4 * config.lidar_near, length * 8
+    self._state = array("i", (0, 0, 0, far8) + cells + (self.keep >> unit, unit) + (0,) * 6)
+
+
+def windows(self, config, capacity):
+    """Fields of a Windows."""
+    self.window = bytearray(capacity)
+    self.near = self.urgent = 0
+    # In the order of the places in windows.py
+    sizes = config.robot_width // 2, config.robot_length // 2, 0, 0, 0, config.windows_look_ahead, config.avoid_soft_margin + BAND_MM
+    self._size = array("i", sizes + (0,) * 3)
