@@ -1,6 +1,7 @@
 """The twin as a link: it runs in a thread, and the firmware's USB serial line is the wire.
 
     twin:COURSE?width=550&gap=400&seed=3&mirror=1&reverse=1&angle=90&scale=1&mode=naws&speed=1&chip=1&engine=cpython&config=robot.json&record=FILE
+        &fault=NAME@SECONDS
 
 COURSE is one of the twin's, in any case; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes. What
 the others mean: `python -m host.twin --help`.
@@ -24,9 +25,19 @@ def _flag(text):
     return bool(int(text))
 
 
+def _fault(text):
+    from host.twin.faults import make
+
+    try:
+        make(text)
+    except ValueError as error:
+        raise AddressError(f"twin option fault={text}: {error}") from None
+    return text
+
+
 OPTIONS: dict[str, Callable] = {
     "width": float, "gap": float, "seed": int, "mirror": _flag, "reverse": _flag, "angle": float, "scale": float, "mode": str, "engine": str,
-    "speed": _speed, "chip": float, "config": str, "firmware": str, "record": str,
+    "speed": _speed, "chip": float, "config": str, "firmware": str, "record": str, "fault": _fault,
 }  # fmt: skip
 
 
@@ -43,6 +54,8 @@ def arguments_of(course: str, options: dict) -> dict:
             raise AddressError(f"twin option {key!r}: there are {', '.join(OPTIONS)}")
         try:
             arguments[key] = OPTIONS[key](text)
+        except AddressError:
+            raise
         except ValueError:
             raise AddressError(f"twin option {key}={text}: a number is needed") from None
     return arguments

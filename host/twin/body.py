@@ -22,6 +22,7 @@ class Body:
 
     vehicle: Vehicle. random: numpy Generator of this robot's imperfections. pose: x, y (mm), heading (radians clockwise from +y).
 
+    stuck: for an Observer to set, the wheels whose servos no longer move.
     x, y, heading, now (us): the pose now. times, poses: history, (k,) us and (k, 3), `count` entries used.
     """
 
@@ -37,6 +38,8 @@ class Body:
         self._back = self._wheels.T.copy()
         self.trim_error = np.radians(random.normal(0, TRIM_ERROR, n))
         self.gain = 1 + random.normal(0, GAIN_ERROR, n) + random.uniform(-ROLL_ERROR, ROLL_ERROR)
+        self.stuck = np.zeros(n, bool)
+        self._told = np.zeros(n)
         self._reach = hypot(vehicle.width, vehicle.length) / 2
         self._rate = np.radians(SLEW) / 1e6
 
@@ -61,12 +64,19 @@ class Body:
 
     def steer(self, angles, driven):
         """New targets, radians, for the wheels where `driven`; the others stay where they are."""
+        driven = driven & ~self.stuck
         np.copyto(self.targets, angles + self.trim_error, where=driven)
         np.copyto(self.targets, self.angles, where=~driven)
 
     def drive(self, speeds):
         """New wheel speeds, mm/s."""
+        self._told = speeds
         self.speed_targets = speeds * self.gain
+
+    def set_gain(self, gain):
+        """Another share of the speed that each wheel is told becomes motion; 1 = all of it."""
+        self.gain = gain
+        self.drive(self._told)
 
     @property
     def fastest(self):

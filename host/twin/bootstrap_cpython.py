@@ -32,6 +32,15 @@ _take_over("time")
 _take_over("machine")
 lockstep.connect(*[int(word) for word in sys.argv[1:5]])
 charge.load("chip.json")
+try:
+    with open("fault.json") as _file:
+        import json
+
+        import fault
+
+        fault.load(json.load(_file))
+except OSError:
+    pass  # nothing is to fail
 
 try:
     import main  # noqa: F401

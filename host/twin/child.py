@@ -12,6 +12,10 @@ class FirmwareStopped(Exception):
     """The firmware ended or crashed, or no longer lets time pass; the message says which."""
 
 
+class Hung(FirmwareStopped):
+    """It computes and computes, without letting time pass."""
+
+
 class Child:
     """A process that speaks the lockstep protocol.
 
@@ -57,13 +61,13 @@ class Child:
             self._poll.register(descriptor, select.POLLIN)
             self._readers[descriptor] = reader
 
-    def receive(self):
-        """The bytes of the next request. FirmwareStopped when none will come."""
-        silence = Silence(self.pid)
+    def receive(self, watched=False):
+        """The bytes of the next request. FirmwareStopped when none will come. watched: whether the board has a watchdog, which waits less long."""
+        silence = Silence(self.pid, watched)
         while wire.missing(self._gathered):
             ready = self._poll.poll(silence.look_ms)
             if not ready and (trouble := silence.trouble()):
-                raise FirmwareStopped(trouble)
+                raise (Hung if silence.computing else FirmwareStopped)(trouble)
             for descriptor, _ in ready:
                 if not self._readers[descriptor]():
                     self._poll.unregister(descriptor)

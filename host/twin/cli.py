@@ -8,7 +8,7 @@ from pathlib import Path
 from host.recording import RecordingError
 from host.version import add_version
 
-from . import courses
+from . import courses, faults
 from .console import Progress, summary_line
 from .image import FIRMWARE, ToolMissing
 from .process import ENGINES
@@ -16,12 +16,18 @@ from .run import MODES, run
 from .simulation import PASS
 
 PASSED, FAILED, MISUSED = 0, 1, 2
+LIST = "list"
 
 
 def main(arguments=None):
     """Run the twin; returns the exit code: 0 pass, 1 any other result, 2 bad arguments."""
     parser = _parser()
     options = parser.parse_args(arguments)
+    if options.fault == LIST:
+        print("\n".join(faults.listing()))
+        return PASSED
+    if options.course is None:
+        parser.error("the following arguments are required: COURSE")
     if options.picture and not Path(options.picture).absolute().parent.is_dir():
         parser.error(f"argument --picture: there is no folder {Path(options.picture).parent}; name a file in a folder that exists")
     progress = None if options.json else Progress()
@@ -43,6 +49,7 @@ def main(arguments=None):
             firmware=options.firmware or FIRMWARE,
             record=options.record,
             chip=options.chip,
+            fault=options.fault,
         )
     except (ValueError, ToolMissing, SyntaxError, RecordingError) as error:
         print(f"python -m host.twin: {error}", file=sys.stderr)
@@ -72,7 +79,7 @@ def _parser():
     )
     add_version(parser)
     add = parser.add_argument
-    add("course", metavar="COURSE", type=_course, help=", ".join(courses.NAMES))
+    add("course", metavar="COURSE", type=_course, nargs="?", help=", ".join(courses.NAMES))
     add("--width", type=float, metavar="MM", help="width of the passage (default 550)")
     add("--gap", type=float, default=500.0, metavar="MM", help="random: least distance between obstacles (default 500)")
     add("--seed", type=_seed, default=0, metavar="N", help="of the robot's imperfections and the noise; other than 0 also shifts the start")
@@ -82,6 +89,7 @@ def _parser():
     add("--chip", type=_chip, metavar="X|inf", help="factor on the speed of the ESP32 that computes (default 1); inf: takes no time")
     add("--config", metavar="FILE", help="robot.json to use (default firmware/robot.json)")
     add("--firmware", metavar="FOLDER", help="main.py and lib/ to run (default firmware/)")
+    add("--fault", type=_fault, metavar="NAME[@SECONDS]", help="what fails, and when (default: once it drives and 4 s have passed); list: shows the names")
     add("--json", action="store_true", help="print one JSON object with the result and nothing else")
     add("--record", metavar="FILE", help="record the run (without it, a run that ends badly leaves a recording in out/ended-badly)")
     add("--no-record", dest="record", action="store_const", const=False, help="never record")
@@ -98,6 +106,15 @@ def _course(text):
     if text.lower() not in names:
         raise argparse.ArgumentTypeError(f"{text!r} is not a course; courses are {', '.join(courses.NAMES)}")
     return names[text.lower()]
+
+
+def _fault(text):
+    if text != LIST:
+        try:
+            faults.make(text)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
+    return text
 
 
 def _seed(text):

@@ -25,7 +25,7 @@ class Delta2B:
     """
 
     def __init__(self, mount, world, random, version=1):
-        self._mount = mount
+        self.mount = mount
         self._world = world
         self._random = random
         self._version = version
@@ -35,6 +35,7 @@ class Delta2B:
         self._sector = 0
         self._since = 0.0
         self._target = 0.0 if mount.motor is not None else mount.speed  # then it turns by itself
+        self._fastest = np.inf
         self.speed = 0.0
         self.began = 0.0
         self._begin(0.0)
@@ -42,7 +43,13 @@ class Delta2B:
     def spin(self, time, duty):
         """The motor's duty (0..1) changes at the time, us."""
         self._settle(time)
-        self._target = max(duty - 0.1, 0.0) * 12.6 * self._gain
+        self._target = min(max(duty - 0.1, 0.0) * 12.6 * self._gain, self._fastest)
+
+    def limit(self, time, fastest):
+        """From the time on, us, the motor turns no faster, r/s, whatever it is told."""
+        self._settle(time)
+        self._fastest = fastest
+        self._target = min(self._target, fastest)
 
     def take(self, poses_at):
         """Bytes of the frame that is due; begins the next one.
@@ -59,7 +66,7 @@ class Delta2B:
         """Begin a frame: its length is that of the speed at its beginning."""
         self.began = time
         self._measuring = SLOWEST <= self.speed <= FASTEST
-        period = 1e6 / self._mount.frames / self.speed if self._measuring else FAULT_PERIOD_US
+        period = 1e6 / self.mount.frames / self.speed if self._measuring else FAULT_PERIOD_US
         self.due = time + period
 
     def _settle(self, time):
@@ -68,7 +75,7 @@ class Delta2B:
         self._since = time
 
     def _points(self, time, poses_at):
-        mount, random = self._mount, self._random
+        mount, random = self.mount, self._random
         period = time - self.began
         n = min(round(self._rate * period / 1e6), MOST_POINTS)
         start = self._sector / mount.frames

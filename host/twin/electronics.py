@@ -14,6 +14,8 @@ class Electronics:
 
     enabled: whether the output-enable pin lets the outputs of the chips through.
     stop_pressed, battery_volts, chips: for an Observer to change; a chip taken out of `chips` no longer answers.
+    stop_wired, sda_held: likewise, whether the stop button's wire is there, and whether something holds the bus's data line low.
+    motors_on: whether any motor output is on, at the chips and through output enable. switched: [(us, motors_on)] of each change.
     latch: time (us) at which the servos answer to changed pulses, NEVER while nothing has changed.
     """
 
@@ -33,8 +35,13 @@ class Electronics:
         self.enabled = vehicle.output_enable is None  # the pull-up holds the outputs off until the firmware drives the pin; without it they are on
         self._servo_phase = 0.0
         self.latch = NEVER
+        self._enable_wired = True
         self.stop_pressed = False
+        self.stop_wired = True
+        self.sda_held = False
         self.battery_volts = 7.8
+        self.motors_on = False
+        self.switched = []
 
     @property
     def addresses(self):
@@ -44,8 +51,13 @@ class Electronics:
     @property
     def levels(self):
         """Levels of the input pins, bit = GPIO."""
-        button = self._vehicle.stop_button
-        return 0 if self.stop_pressed or button is None else 1 << button
+        vehicle = self._vehicle
+        levels = 1 << vehicle.scl  # with their pull-ups, like the button
+        if not self.sda_held:
+            levels |= 1 << vehicle.sda
+        if vehicle.stop_button is not None and not (self.stop_pressed and self.stop_wired):
+            levels |= 1 << vehicle.stop_button
+        return levels
 
     @property
     def battery_reading(self):
@@ -64,7 +76,7 @@ class Electronics:
                 self._servo_phase = time
             self._await_pulse(time)
         else:
-            self._drive()
+            self._drive(time)
 
     def i2c_read(self, address, count):
         """Bytes that a chip sends."""
@@ -74,20 +86,21 @@ class Electronics:
         """A chip loses its supply for a moment, and with it its registers."""
         self.chips[address].reset()
         self._await_pulse(time)
-        self._drive()
+        self._drive(time)
+
+    def lose_output_enable(self, time):
+        """The wire to the chips' output enable comes off: its pull-down there lets the outputs through from now on."""
+        self._enable_wired = False
+        self._enable(time, True)
 
     def pin(self, time, gpio, level):
         """An output pin changed."""
         if gpio == self._vehicle.output_enable:
-            self.enabled = not level
-            self._await_pulse(time)
-            self._drive()
+            self._enable(time, not level)
 
     def release_pins(self, time):
         """The processor resets: its pins float. The pull-up at the output-enable pin switches the chips' outputs off, the lidar's motor driver stops."""
-        self.enabled = self._vehicle.output_enable is None
-        self._await_pulse(time)
-        self._drive()
+        self._enable(time, self._vehicle.output_enable is None)
         if self._vehicle.lidar.motor is not None:
             self._lidar.spin(time, 0)
 
@@ -114,11 +127,20 @@ class Electronics:
         period = self._servo.period_us
         self.latch = self._servo_phase + (np.floor((time - self._servo_phase) / period) + 1) * period + REACTION_US
 
-    def _drive(self):
+    def _enable(self, time, on):
+        self.enabled = on or not self._enable_wired
+        self._await_pulse(time)
+        self._drive(time)
+
+    def _drive(self, time):
         """Motors follow IN1 less IN2."""
         shares = np.zeros(len(self._speeds))
         if self.enabled:
             for axle, channel in enumerate(self._vehicle.motor_channels):
                 for side, chip in enumerate((self._left, self._right)):
                     shares[2 * axle + side] = chip.duty(channel) - chip.duty(channel + 1)
+        on = bool(shares.any())
+        if on != self.motors_on:
+            self.motors_on = on
+            self.switched.append((time, on))
         self._body.drive(shares * self._speeds)

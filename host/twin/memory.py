@@ -9,6 +9,7 @@ import json
 import os
 import subprocess
 import tempfile
+import zlib
 from pathlib import Path
 
 from host.micropython import mpy
@@ -33,22 +34,23 @@ def board_heap(firmware, config_text):
     return (WITH_RADIO + RADIO_ALLOWANCE if radio(config_text) else HEAP_AND_CODE) - sum(code.values())
 
 
-def heap_size(port, board, board_bytes, chip=None, radio=False):
+def heap_size(port, board, board_bytes, chip=None, radio=False, fault=None):
     """What -X heapsize has to be for so many bytes of the board.
 
-    port: micropython.Port. board: folder of the emulated board's modules, compiled for it. chip, radio: see `taken_by_the_board`.
+    port: micropython.Port. board: folder of the emulated board's modules, compiled for it. chip, radio, fault: see `taken_by_the_board`.
     """
-    taken, whole = taken_by_the_board(port, board, chip, radio)
+    taken, whole = taken_by_the_board(port, board, chip, radio, fault)
     return (board_bytes * port.heap_factor + taken) * _PROBED * port.heap_factor // whole
 
 
-def taken_by_the_board(port, board, chip=None, radio=False):
+def taken_by_the_board(port, board, chip=None, radio=False, fault=None):
     """[bytes that the emulated board's modules take, bytes in a heap of -X heapsize=_PROBED: the rest is for its own books].
 
     chip: text of the chip.json that they find, None = there is none. radio: whether network and socket are among them; the firmware loads those later.
+    fault: bytes of their fault.json, None = there is none.
     """
-    kept = board.parent / ("board_heap" + ("_chip" if chip else "") + ("_radio" if radio else "") + ".json")
-    return _remembered(kept, lambda: _probe(port, board, chip, radio))
+    kept = "board_heap" + ("_chip" if chip else "") + ("_radio" if radio else "") + (f"_{zlib.crc32(fault):08x}" if fault else "")
+    return _remembered(board.parent / f"{kept}.json", lambda: _probe(port, board, chip, radio, fault))
 
 
 def radio(config_text):
@@ -59,11 +61,13 @@ def radio(config_text):
         return False  # the firmware will say what is wrong with it
 
 
-def _probe(port, board, chip, radio):
+def _probe(port, board, chip, radio, fault):
     with tempfile.TemporaryDirectory(prefix="gapseeker-") as folder, open(os.devnull, "wb") as nobody:
         image.lay_out(Path(folder), board)
         if chip:
             (Path(folder) / "chip.json").write_text(chip)
+        if fault:
+            (Path(folder) / "fault.json").write_bytes(fault)
         (Path(folder) / "main.py").write_text(_RADIO * radio + _PROBE)
         answer, twin = os.pipe()
         try:

@@ -10,12 +10,12 @@ from pathlib import Path
 from host import micropython
 
 from . import image, memory, wire
-from .child import Child, FirmwareStopped
+from .child import Child, FirmwareStopped, Hung
 
 __all__ = ["ENGINES", "FirmwareStopped", "Process"]
 
 ENGINES = (*micropython.ENGINES, "cpython")
-POWER_ON, SOFT_RESET = 1, 5  # as machine.reset_cause() says it
+POWER_ON, WDT_RESET, SOFT_RESET = 1, 3, 5  # as machine.reset_cause() says it
 CHIP = 1.0  # factor on the speed of an ESP32, where none is given
 BOOT_US = 300_000  # from the reset to main.py's first line, roughly what the stock image takes
 
@@ -25,29 +25,39 @@ class Process:
 
     engine: one of ENGINES. config_text: the robot.json that it finds. on_serial(bytes) gets what it prints. heap: bytes that it has on
     the board, None = what `memory` says. chip: factor on the speed of an ESP32, math.inf = computing takes no time, None = CHIP. clock_us: what the
-    board's clock shows at the start; a soft reset leaves it running.
+    board's clock shows at the start; a soft reset leaves it running. files: {name: bytes} that it finds as well.
     """
 
-    def __init__(self, engine, config_text, on_serial, firmware=image.FIRMWARE, heap=None, chip=None, clock_us=0):
+    def __init__(self, engine, config_text, on_serial, firmware=image.FIRMWARE, heap=None, chip=None, clock_us=0, files=None):
         self._on_serial = on_serial
         self._began = -clock_us  # when the board's clock showed 0
-        self._request: wire.Request  # the latest
+        self._request = wire.Request(wire.FLUSH, 0, 0, 0, 0, (), 0, -1, [])  # the latest; before the first, none that asks for anything
         self._closed = False
         self._folder = Path(tempfile.mkdtemp(prefix="gapseeker-"))
         try:
-            (self._folder / "robot.json").write_text(config_text)
+            self.leave({"robot.json": config_text.encode(), **(files or {})})
             if tables := image.tables(config_text, firmware):
                 shutil.copyfile(tables, self._folder / "tables.bin")
             timing = self._chip(CHIP if chip is None else chip, Path(firmware))
-            self._words = self._command(engine, Path(firmware), config_text, heap, timing)
+            self._words = self._command(engine, Path(firmware), config_text, heap, timing, (files or {}).get("fault.json"))
             self._child = self._start(clock_us, POWER_ON)
         except BaseException:
             shutil.rmtree(self._folder)
             raise
 
     def receive(self):
-        """The next wire.Request. FirmwareStopped when none will come."""
-        self._request = wire.decode(self._child.receive(), self._began)
+        """The next wire.Request. FirmwareStopped when none will come.
+
+        A firmware that computes for ever without letting time pass never feeds its watchdog: if it has one, the board resets when that bites.
+        """
+        before = self._request
+        watched = before.watchdog >= 0
+        try:
+            self._request = wire.decode(self._child.receive(watched), self._began)
+        except Hung:
+            if not watched:
+                raise
+            return self.reset(WDT_RESET, before.target + before.watchdog)
         return self._request
 
     def answer(self, *inputs):
@@ -64,6 +74,18 @@ class Process:
         if cause != SOFT_RESET:
             self._began = now
         self._child = self._start(now - self._began, cause)
+
+    def reset(self, cause, time=None):
+        """The processor is reset from outside, at the time (us, None = now): the wire.Request of that, to be served and followed by `restart`."""
+        before = self._request
+        time = before.target if time is None else time
+        self._request = wire.Request(wire.RESET, cause, 0, time, time, before.probe, before.overflows, -1, [])
+        return self._request
+
+    def leave(self, files):
+        """Put files on the board. files: {name: bytes}."""
+        for name, data in files.items():
+            (self._folder / name).write_bytes(data)
 
     def send_serial(self, data):
         """Bytes to the board's USB serial line; what a board that does not read has no room for is lost."""
@@ -85,7 +107,7 @@ class Process:
         (self._folder / "chip.json").write_text(text)
         return text
 
-    def _command(self, engine, firmware, config_text, heap, timing):
+    def _command(self, engine, firmware, config_text, heap, timing, fault):
         """What starts the firmware: the words before and behind those that _start puts in."""
         if engine == "cpython":
             # -S: site-packages have no place on the board; -u: what was printed before a reset has been printed.
@@ -96,7 +118,7 @@ class Process:
         image.lay_out(self._folder, board, compiled)
         if heap is None:
             heap = memory.board_heap(firmware, config_text)
-        size = memory.heap_size(port, board, heap, timing, memory.radio(config_text))
+        size = memory.heap_size(port, board, heap, timing, memory.radio(config_text), fault)
         return [*port.command, "-X", f"heapsize={size}", "-m", "bootstrap"], []
 
     def _start(self, ticks, cause):

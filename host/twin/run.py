@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import courses, image, process, wire
+from . import courses, faults, image, process, wire
 from .process import FirmwareStopped, Process
 from .recorder import Observers, Recorder
 from .simulation import BLOCKED, PASS, TIMEOUT, Observer, Simulation
@@ -23,7 +23,7 @@ class Result:
     """What a run gave.
 
     track: (n, 4) time s, x mm, y mm, heading deg (clockwise from +y), not more often than 100 a second. log: the
-    decisions, see `host.recording.Decision`. touches: (time s, x, y, heading deg) where each contact began. recording: file of the
+    decisions, see `host.recording.Decision`. touches: (time s, x, y, heading deg) where each contact began. fault: what it showed of its fault. recording: file of the
     recording, if there is one.
     """
 
@@ -46,6 +46,7 @@ class Result:
     track: np.ndarray = field(repr=False)
     log: list = field(repr=False)
     touches: list = field(repr=False)
+    fault: faults.Outcome | None
     layout: courses.Course = field(repr=False)
     vehicle: Vehicle = field(repr=False)
 
@@ -53,9 +54,11 @@ class Result:
         """The figures as a dict that JSON can hold."""
         out = {}
         for name, value in vars(self).items():
-            if name in ("track", "log", "touches", "layout", "vehicle"):
+            if name in ("track", "log", "touches", "fault", "layout", "vehicle"):
                 continue
             out[name] = round(value, 3) if isinstance(value, float) else value
+        if self.fault is not None:
+            out |= vars(self.fault)
         return out
 
 
@@ -80,6 +83,7 @@ def run(
     heap=None,
     chip=None,
     clock_us=0,
+    fault=None,
 ):
     """Drive one course; returns a Result.
 
@@ -88,30 +92,35 @@ def run(
     possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it. watch: simulation.Observer, told what
     happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run earlier than after 60 s.
     heap, clock_us: of the board, see `Process`.
+    fault: what fails, NAME or NAME@SECONDS, see `faults`; the run then ends 20 s after that at the latest.
     chip: factor on the speed of an ESP32, math.inf = computing takes no time, None = process.CHIP.
     record: file for a recording of the run; None records into out/ended-badly/ and keeps that only if the run ends badly; False never records.
     """
     began = time.monotonic()
     chip = process.CHIP if chip is None else chip
-    settings = load_config(config, mode, changes)
+    failing = faults.make(fault)
+    settings = load_config(config, mode, {**failing.changes, **(changes or {})})
     vehicle = Vehicle.from_settings(settings)
     layout = courses.make(course, width, gap, seed, mirror, reverse, angle, scale)
     watch = watch or Observer()
     text = json.dumps(settings)
-    address = _address(course, layout.width, gap, seed, mirror, reverse, angle, scale, chip)
+    address = _address(course, layout.width, gap, seed, mirror, reverse, angle, scale, chip) + (f"&fault={fault}" if fault else "")
     with ExitStack() as stack:
         recorder = None
         if record is not False:
             recorder = stack.enter_context(Recorder.begin(record, text, address, firmware, {"engine": engine, "chip": str(chip)}))
             watch = Observers(recorder, watch)
-        simulation = Simulation(layout, vehicle, seed, watch)
-        child = Process(engine, text, watch.serial, firmware, heap, chip, clock_us)
+        simulation = Simulation(layout, vehicle, seed, watch, fault=failing)
+        child = Process(engine, text, watch.serial, firmware, heap, chip, failing.clock_us or clock_us, failing.files)
         stack.callback(child.close)
+        over = False
         try:
             ended = _drive(simulation, child, watch, speed, limit_s)
         except FirmwareStopped as stopped:
-            simulation.stop(BLOCKED, str(stopped))
-            ended = True
+            if failing.began is not None:
+                simulation.go_on(failing.began + failing.watched_s * 1e6)  # the chips do what they were told last
+            simulation.result, simulation.reason = BLOCKED, str(stopped)
+            ended = over = True
         except KeyboardInterrupt:
             simulation.stop(TIMEOUT, "interrupted")
             ended = False
@@ -123,6 +132,7 @@ def run(
         layout,
         vehicle,
         dict(
+            fault=failing.outcome(simulation, over) if fault else None,
             course=course,
             width_mm=layout.width,
             gap_mm=gap,
@@ -189,8 +199,13 @@ def _drive(simulation, child, watch, speed, limit_s):
             child.send_serial(commands)
         if simulation.result is not None:
             break
+        if cause := simulation.fault.take_reset():
+            child.leave(simulation.fault.left_behind)
+            request = child.reset(cause)
+            simulation.serve(request)
         if request.kind == wire.RESET:
             child.restart()
+            simulation.fault.restarted()
         else:
             child.answer(*answer)
     return True

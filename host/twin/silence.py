@@ -4,16 +4,20 @@ import os
 import time
 
 LIMIT_S = 20.0
+WATCHED_S = 2.0  # where a watchdog is on guard; what takes so long here would take minutes on the chip
 
 
 class Silence:
     """The time since the firmware's process was last heard of.
 
-    pid: of the process. look_ms: how long to wait for it before asking for `trouble` again.
+    pid: of the process. watched: whether the board's watchdog would reset it. look_ms: how long to wait for it before asking for `trouble` again.
+    computing: after `trouble`, whether it computes (else it waits).
     """
 
-    def __init__(self, pid):
+    def __init__(self, pid, watched=False):
         self._pid = pid
+        self._limit = WATCHED_S if watched else LIMIT_S
+        self.computing = False
         self._began = None  # looking costs a file; most requests come at once
         self.look_ms = min(LIMIT_S / 4, 1.0) * 1000
 
@@ -24,7 +28,8 @@ class Silence:
             self._waiting_since = time.monotonic()
         if self._began is None:
             self._began = used
-        if used - self._began > LIMIT_S:
+        if used - self._began > self._limit:
+            self.computing = True
             return f"the firmware computed for {LIMIT_S:g} s without letting time pass: an endless loop?"
         if time.monotonic() - self._waiting_since > LIMIT_S:
             return f"the firmware has waited for {LIMIT_S:g} s, without letting time pass, for something that nobody sends"

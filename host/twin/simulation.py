@@ -9,6 +9,7 @@ from .body import Body
 from .contact import Contact
 from .delta2b import DELAY_US, Delta2B
 from .electronics import Electronics
+from .faults import Fault
 from .line import Line
 from .world import World
 
@@ -23,17 +24,20 @@ PASS, LOCAL_COLLISION, BLOCKED, TIMEOUT = "pass", "local_collision", "blocked", 
 class Simulation:
     """One run.
 
-    course: Course. vehicle: Vehicle. seed: of the imperfections; other than 0 it perturbs the start as well. watch: Observer.
+    course: Course. vehicle: Vehicle. seed: of the imperfections; other than 0 it perturbs the start as well. watch: Observer. fault: what
+    fails, see `faults`.
 
     now: simulated time, us. limit: when the run has failed, us; an Observer may put it off.
     body, lidar, electronics, contact: the parts; an Observer may change what they hold, to see what the firmware does.
     result: None until the run is over, then one of PASS, LOCAL_COLLISION, BLOCKED, TIMEOUT; reason: why, when there is more to say.
     """
 
-    def __init__(self, course, vehicle, seed, watch, version=1):
+    def __init__(self, course, vehicle, seed, watch, version=1, fault=None):
         streams = np.random.SeedSequence([seed, 0x67]).spawn(3)
         start, robot, noise = (np.random.default_rng(stream) for stream in streams)
         self.course = course
+        self.vehicle = vehicle
+        self.fault = fault or Fault()
         self._lidar_wire = vehicle.lidar.rx, vehicle.lidar.baud
         self._watch = watch
         self.limit = LIMIT_US
@@ -61,13 +65,15 @@ class Simulation:
                 self._watch.registers(time, where, data)
             elif kind == wire.PIN:
                 electronics.pin(time, where, value)
+                self.fault.pin(time, where, value)
             elif kind == wire.PWM_DUTY:
                 electronics.pwm(time, where, value / 65535)
             elif kind == wire.UART_OUTPUT:
                 self._watch.uart(time, where, data)
         self._run_up_to(request.target)
         self.now = request.target
-        inputs = electronics.levels, electronics.addresses, electronics.battery_reading
+        self.fault.look(self)
+        inputs = electronics.levels | self.fault.levels, electronics.addresses, electronics.battery_reading
         if request.kind == wire.READ:
             data = electronics.i2c_read(request.address, request.size)
             self._watch.read(request.now, request.address, data)
@@ -87,10 +93,16 @@ class Simulation:
         """End the run from outside."""
         self._end(result, reason)
 
+    def go_on(self, time):
+        """Let the world go on to the time, us, without the firmware: the chips do what they were told last."""
+        self._run_up_to(time)
+
     def _horizon(self):
         """Time before which nothing more arrives."""
         first = self._line.first_arrival()
-        return int(self.lidar.due + DELAY_US) if first is None else first
+        first = int(self.lidar.due + DELAY_US) if first is None else first
+        wake = self.fault.wake
+        return int(wake) if self.now < wake < first else first
 
     def _decide(self, request):
         probe = request.probe
@@ -121,8 +133,8 @@ class Simulation:
         if end == self.electronics.latch:
             self.electronics.take_pulses()
         if end == self.lidar.due:
-            data = self.lidar.take(body.poses_at)
-            if not self.lidar.unplugged:
+            data = self.fault.frame(end, self.lidar.take(body.poses_at))
+            if data and not self.lidar.unplugged:
                 self._line.send(end + DELAY_US, data)
         if self.course.through(body.x, body.y):
             self._end(LOCAL_COLLISION if contact.touches else PASS)

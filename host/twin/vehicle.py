@@ -30,7 +30,7 @@ class Vehicle:
     """Lengths in mm, angles in 0.1 deg, pulses in us. Per-wheel tuples run left, right of each axle from the front.
 
     axles: y of each axle. pulse_low, pulse_high: pulses of -90 and 90 deg. trims: what the firmware adds to an angle for this wheel.
-    motor_channels: of IN1, for each axle. full_speed: mm/s. battery_divider: battery volts over volts at the pin.
+    scl, sda: GPIO. motor_channels: of IN1, for each axle. full_speed: mm/s. battery_divider: battery volts over volts at the pin.
     """
 
     axles: tuple
@@ -54,6 +54,8 @@ class Vehicle:
     stop_button: int | None
     battery: int | None
     battery_divider: float
+    scl: int
+    sda: int
     lidar: Lidar
 
     @classmethod
@@ -88,6 +90,8 @@ class Vehicle:
             stop_button=c.pins_stop_button,
             battery=c.pins_battery,
             battery_divider=c.battery_divider1000 / 1000,
+            scl=c.i2c_scl,
+            sda=c.i2c_sda,
             lidar=Lidar(
                 rx=c.lidar_rx,
                 motor=c.lidar_motor_pin,

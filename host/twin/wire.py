@@ -13,7 +13,7 @@ REPLY, SHORT, PAYLOAD, CHUNKS = 1024, 256, 128, 4
 ROUND = 1 << 30
 FAR = 1 << 29  # horizons further off are as good as this one
 
-_REQUEST = struct.Struct("<IBBHIII11iI")
+_REQUEST = struct.Struct("<IBBHIII11iIi")
 _EVENT = struct.Struct("<IBBH")
 _WITH_DATA = (I2C_WRITE, UART_OUTPUT)
 
@@ -23,6 +23,7 @@ class Request:
     """One message of the firmware. events: [(time, kind, where, value, data)].
 
     now: when it was sent; target: up to when time shall pass, `now` unless kind is ADVANCE. address: of a RESET, why it resets.
+    watchdog: us from `target` until the watchdog resets the board unless it is fed, -1 = there is none.
     """
 
     kind: int
@@ -32,6 +33,7 @@ class Request:
     target: int
     probe: tuple
     overflows: int
+    watchdog: int
     events: list
 
 
@@ -42,9 +44,9 @@ def missing(data):
 
 def decode(data, began):
     """The Request in the bytes. began: when the board's clock showed 0."""
-    _, kind, address, size, ticks, rounds, duration, *probe, overflows = _REQUEST.unpack_from(data)
+    _, kind, address, size, ticks, rounds, duration, *probe, overflows, watchdog = _REQUEST.unpack_from(data)
     now = began + rounds * ROUND + ticks
-    return Request(kind, address, size, now, now + duration, tuple(probe), overflows, list(_events(data, now, ticks)))
+    return Request(kind, address, size, now, now + duration, tuple(probe), overflows, watchdog, list(_events(data, now, ticks)))
 
 
 def _events(data, now, ticks):

@@ -18,6 +18,15 @@ for _name in ("time", "machine", "machine_more"):
     sys.modules[_name] = __import__(_name)  # the file comes before the built-in one
 lockstep.connect(*[int(word) for word in sys.argv[1:5]])
 charge.load("chip.json")
+try:
+    with open("fault.json") as _file:
+        import json
+
+        import fault
+
+        fault.load(json.load(_file))
+except OSError:
+    pass  # nothing is to fail
 gc.collect()  # main.py begins with what the twin has measured; see memory.py there
 
 try:

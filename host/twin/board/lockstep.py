@@ -7,7 +7,7 @@ told what will arrive. Nothing here allocates once the firmware's loop runs, so 
 
 A request (firmware to twin, little-endian):
 
-    u32 length | u8 kind | u8 address | u16 size | u32 ticks | u32 rounds | u32 duration | 11 i32 probe | u32 overflows | events
+    u32 length | u8 kind | u8 address | u16 size | u32 ticks | u32 rounds | u32 duration | 11 i32 probe | u32 overflows | i32 watchdog | events
 
     kind ADVANCE    `duration` us pass
          READ       `size` bytes from the I2C device at `address`; the events before it have happened
@@ -16,6 +16,7 @@ A request (firmware to twin, little-endian):
     ticks, rounds   now: rounds * 2**30 + ticks, us
     probe           the firmware's latest decision, see `_probe`; its first word is 0 while there is none
     overflows       bytes lost because a UART's buffer was full
+    watchdog        us from the end of the duration until the watchdog resets the board, -1 = there is none
     event           u32 ticks | u8 kind | u8 where | u16 value | data
                     I2C write: address, number of data bytes; pin: GPIO, level; PWM duty: GPIO, 0..65535; PWM frequency: GPIO, Hz (up to
                     65535); UART output: GPIO of tx, number of data bytes
@@ -52,9 +53,10 @@ _REPLY = const(1024)
 _SHORT = const(256)
 _PAYLOAD = const(128)
 
-_HEADER = const(68)
+_HEADER = const(72)
 _PROBE = const(20)
 _OVERFLOWS = const(64)
+_WATCHDOG = const(68)
 _EVENT = const(8)
 _REQUEST = const(1024)  # what does not fit goes ahead of its time
 _AHEAD = const(0)
@@ -259,6 +261,7 @@ def _exchange(kind, address, size, duration):
     global _used, _ahead_us, _inputs
     struct.pack_into("<IBBHIII", _request, 0, _used, kind, address, size, now, rounds, duration)
     struct.pack_into("<I", _request, _OVERFLOWS, overflows)
+    struct.pack_into("<i", _request, _WATCHDOG, watchdog_us)
     _probe()
     answer = _reply if kind == _ADVANCE else _answer
     try:
