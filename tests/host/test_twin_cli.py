@@ -112,7 +112,7 @@ def test_picture(twin, tmp_path):
         (["Q"], "courses are Z, U, S"),
         (["Z", "--width", "20"], "260 to 3000"),
         (["Z", "--width", "wide"], "invalid float value"),
-        (["Z", "--engine", "pypy"], "'micropython', 'cpython'"),
+        (["Z", "--engine", "pypy"], "'micropython', 'micropython64', 'cpython'"),
         (["Z", "--mode", "4ws"], "'aws', 'naws'"),
         (["Z", "--speed", "0"], "0.01 to 1000 or max"),
         (["Z", "--seed", "-1"], "whole numbers from 0"),
