@@ -1,9 +1,14 @@
-"""Writes changed values into robot.json; everything else in it stays as it was, to the character. Loaded when a person asks for it, then let go."""
+"""Writes changed values into robot.json; everything else in it stays as it was, to the character. Loaded when a person asks for it, then let go.
+
+The file is never in memory as a whole: it goes through a small block into a new file beside it, which then takes its place.
+"""
 
 import os
 
 from micropython import const
 
+_BLOCK = const(64)
+_END = const(0)  # what stands for a character behind the last
 _QUOTE = const(0x22)
 _BACKSLASH = const(0x5C)
 _COMMA = const(0x2C)
@@ -17,99 +22,130 @@ def keep(path, changed):
 
     OSError if the file cannot be written, ValueError if it is not JSON; the old file is whole then.
     """
-    text = bytearray(os.stat(path)[6])  # read() would take up to twice as much on its way
-    with open(path, "rb") as source:
-        source.readinto(text)
-    edits = []
-    try:
-        end = _members(text, _space(text, 0), "", dict(changed), edits)
-    except (IndexError, ValueError):
-        raise ValueError("robot.json on the board is not JSON any more")
     # A new file first: a robot switched off in the middle must find the old one or the new one.
     part = path + ".new"
-    view = memoryview(text)
-    done = 0
-    with open(part, "wb") as target:
-        for start, stop, new in edits:
-            target.write(view[done:start])
-            target.write(new.encode())
-            done = stop
-        target.write(view[done:end])
-        target.write(b"\n")
+    try:
+        with open(path, "rb") as source, open(part, "wb") as target:
+            text = _Text(source, target)
+            text.write(text.space())
+            _members(text, "", dict(changed))
+            text.write("\n")
+    except ValueError:
+        os.remove(part)
+        raise ValueError("robot.json on the board is not JSON any more")
     os.rename(part, path)
 
 
-def _members(text, at, prefix, changed, edits):
-    """Walk an object from its brace on; prefix: "" for the outermost, "avoid." and so on inside. Returns the place behind it.
+class _Text:
+    """The file on its way through: char is where it is read; what is passed goes into the new file, unless `left_out`."""
 
-    edits: gets (start, end, text to stand there), in the order of the places. `changed` loses what has been dealt with.
-    """
-    at = _past(text, at, _OPEN)
-    lead = last = at  # before the white space of the last member; behind that member
-    at = first = _space(text, at)
-    empty = text[at] == _CLOSE
-    while text[at] != _CLOSE:
-        first = at
-        end = _string(text, at)
-        key = prefix + text[at + 1 : end - 1].decode()
-        at = _space(text, _past(text, _space(text, end), _COLON))
+    def __init__(self, source, target):
+        self._source = source
+        self._target = target
+        self._block = memoryview(bytearray(_BLOCK))
+        self._begin = self._at = self._count = 0  # block[begin:at] has been passed and not been written yet
+        self.char = None
+        self.left_out = False
+        self.go_on()
+
+    def go_on(self):
+        """To the next character. ValueError if there was none."""
+        if self.char == _END:
+            raise ValueError
+        self._at += 1
+        if self._at >= self._count:
+            self._at = self._count
+            self.write("")
+            self._begin = self._at = 0
+            self._count = self._source.readinto(self._block)
+        self.char = self._block[self._at] if self._count else _END
+
+    def write(self, new):
+        """Put a text into the new file, behind what has been passed."""
+        if not self.left_out:
+            self._target.write(self._block[self._begin : self._at])
+        self._begin = self._at
+        self._target.write(new.encode())
+
+    def space(self):
+        """Pass white space, which is returned instead of being written."""
+        self.write("")
+        self.left_out = True
+        found = ""
+        while _END < self.char <= 0x20:
+            found += chr(self.char)
+            self.go_on()
+        self._begin = self._at
+        self.left_out = False
+        return found
+
+    def past(self, wanted):
+        """Pass one certain character."""
+        if self.char != wanted:
+            raise ValueError
+        self.go_on()
+
+    def string(self):
+        """Pass a string; what stands between the quotes."""
+        found = bytearray()
+        self.past(_QUOTE)
+        while self.char != _QUOTE:
+            if self.char == _BACKSLASH:
+                found.append(_BACKSLASH)
+                self.go_on()
+            found.append(self.char)
+            self.go_on()
+        self.go_on()
+        return found.decode()
+
+    def value(self):
+        """Pass a value."""
+        depth = 0
+        while depth or self.char > 0x20 and self.char != _COMMA and self.char != _CLOSE:
+            char = self.char
+            if char == _QUOTE:
+                self.string()
+                continue
+            if char == _OPEN or char == 0x5B:
+                depth += 1
+            elif char == _CLOSE or char == 0x5D:
+                depth -= 1
+            self.go_on()
+
+
+def _members(text, prefix, changed):
+    """Pass an object, with its changes; prefix: "" for the outermost, "avoid." and so on inside. `changed` loses what has been dealt with."""
+    text.past(_OPEN)
+    before = after = text.space()  # the last member's white space
+    empty = text.char == _CLOSE
+    more = not empty
+    while more:
+        text.write(before)
+        key = prefix + text.string()
+        text.write(text.space())
+        text.past(_COLON)
+        text.write(text.space())
         if key in changed:
-            last = _value(text, at)
-            edits.append((at, last, changed.pop(key)))
-        elif text[at] == _OPEN and not prefix:
-            last = _members(text, at, key + ".", changed, edits)
+            text.write("")
+            text.left_out = True
+            text.value()
+            text.write(changed.pop(key))
+            text.left_out = False
+        elif text.char == _OPEN and not prefix:
+            _members(text, key + ".", changed)
         else:
-            last = _value(text, at)
-        at = _space(text, last)
-        if text[at] == _COMMA:
-            lead = at + 1
-            at = _space(text, lead)
-    new = ""
-    space = text[lead:first].decode()
+            text.value()
+        after = text.space()
+        more = text.char == _COMMA
+        if more:
+            text.write(after)
+            text.go_on()
+            before = text.space()
     for key, value in _missing(prefix, changed):
-        new += "%s%s%s: %s" % ("" if empty else ",", space or " ", key, value)
+        text.write("%s%s%s: %s" % ("" if empty else ",", before or " ", key, value))
         empty = False
-    if new:
-        edits.append((last, last, new))
-    return at + 1
-
-
-def _space(text, at):
-    """The place behind white space."""
-    while text[at] <= 0x20:
-        at += 1
-    return at
-
-
-def _past(text, at, wanted):
-    if text[at] != wanted:
-        raise ValueError
-    return at + 1
-
-
-def _string(text, at):
-    """The place behind a string."""
-    at = _past(text, at, _QUOTE)
-    while text[at] != _QUOTE:
-        at += 2 if text[at] == _BACKSLASH else 1
-    return at + 1
-
-
-def _value(text, at):
-    """The place behind a value."""
-    depth = 0
-    while True:
-        char = text[at]
-        if char == _QUOTE:
-            at = _string(text, at)
-            continue
-        if depth == 0 and (char <= 0x20 or char == _COMMA or char == _CLOSE):
-            return at
-        if char == _OPEN or char == 0x5B:
-            depth += 1
-        elif char == _CLOSE or char == 0x5D:
-            depth -= 1
-        at += 1
+    text.write(after)
+    text.past(_CLOSE)
 
 
 def _missing(prefix, changed):
