@@ -3,7 +3,8 @@
 from avoid import Avoid
 from params.config import Config
 from planner.candidates import LENGTHS, Candidates
-from planner.move_cost import clear
+from planner.cost_grid import fill
+from planner.move_cost import NOTHING
 
 _config = Config()
 _env = Candidates(_config)
@@ -36,7 +37,7 @@ def _pairs():
     pairs = Avoid(_config).decision.two_step
     pairs.begin()
     for scores in pairs.scores:
-        clear(scores, LENGTHS * _env.count)
+        fill(scores, LENGTHS * _env.count, NOTHING)
     return pairs, pairs.scores
 
 

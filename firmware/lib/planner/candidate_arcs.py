@@ -8,26 +8,18 @@ from math import cos, pi, sin, sqrt, tan
 from micropython import const
 
 _BIAS = const(8192)
-_BINS = const(24)
 _LENGTHS = const(5)
 
-# Fields of an arc's constants, 16-bit words; those from _IN_SOFT on are pairs, the low one first. _FRONT, _SECOND, _SECOND_BINS and _SLOPE_SHIFT (6 to 9) are of candidate_rings.py.
-_STRIDE = const(20)
-_XC = const(0)
+# Fields of an arc's constants, 16-bit words. Those behind them (5 to 7) are of candidate_rings.py.
+_STRIDE = const(8)
+_XC = const(0)  # the turning centre, mm + 8192
 _YC = const(1)
-_BIN_SHIFT = const(2)
-_BIN_SCALE = const(3)
-_ANGLE_MAX = const(4)
-_REF = const(5)
-_IN_SOFT = const(10)
-_OUT_SOFT = const(12)
-_IN = const(14)
-_OUT = const(16)
-_TURN_MM = const(18)
+_TURN_MM = const(2)  # travel of a whole turn, mm: low word, high word
+_REF = const(4)  # distance of the fastest wheel from the centre, mm
 
 
 def fill(draft):
-    """consts but for two, ends and turns of each arc of a candidate_set.Draft."""
+    """ends, turns and, but for what candidate_rings.py adds, consts of each arc of a candidate_set.Draft."""
     for k in range(draft.arcs):
         _fill_arc(draft, k)
         _fill_ends(draft, k)
@@ -72,42 +64,12 @@ def end(draft, k, length):
 def _fill_arc(draft, k):
     xc, yc = centre(draft, k)
     ref = _reference(draft, xc, yc)
-    # The tests reckon from the centre in whole mm, so the rings do.
-    xc = round(xc)
-    yc = round(yc)
-    r_in, r_out = _ring(draft, xc, yc, draft.margin)
-    s_in, s_out = _ring(draft, xc, yc, draft.soft)
     c = draft.consts
     b = k * _STRIDE
-    c[b + _XC] = xc + _BIAS
-    c[b + _YC] = yc + _BIAS
-    _put(c, b + _IN_SOFT, int(s_in * s_in))
-    _put(c, b + _OUT_SOFT, int(s_out * s_out) + 1)
-    _put(c, b + _IN, int(r_in * r_in))
-    _put(c, b + _OUT, int(r_out * r_out) + 1)
-    # Bins are even in d * d: (d * d - r_in * r_in >> shift) * scale >> 12 = bin in 1/256, with both factors below 2**15.
-    span = int(r_out * r_out) + 1 - int(r_in * r_in)
-    shift = 0
-    while span >> shift >= 32768:
-        shift += 1
-    c[b + _BIN_SHIFT] = shift
-    scale = _BINS * 1048576 // (span >> shift)
-    c[b + _BIN_SCALE] = scale
-    _put(c, b + _TURN_MM, int(2 * pi * ref))
-    c[b + _ANGLE_MAX] = min(int(draft.look_ahead * 65536 / (2 * pi * ref)), 60000)
+    # The tests reckon from the centre in whole mm, so the rings do.
+    c[b + _XC] = round(xc) + _BIAS
+    c[b + _YC] = round(yc) + _BIAS
+    turn_mm = int(2 * pi * ref)
+    c[b + _TURN_MM] = turn_mm & 0xFFFF
+    c[b + _TURN_MM + 1] = turn_mm >> 16
     c[b + _REF] = int(ref)
-
-
-def _put(words, at, value):
-    """A number of 32 bits as two words."""
-    words[at] = value & 0xFFFF
-    words[at + 1] = value >> 16
-
-
-def _ring(draft, xc, yc, margin):
-    """Inner and outer radius of what the outline plus margin sweeps about (xc, yc), xc > 0."""
-    hw = draft.half_width + margin
-    hl = draft.half_length + margin
-    dx = max(xc - hw, 0)
-    dy = max(abs(yc) - hl, 0)
-    return _hypot(dx, dy), _hypot(xc + hw, abs(yc) + hl)

@@ -11,16 +11,12 @@ _BIAS = const(8192)
 _BINS = const(24)
 
 # Fields of an arc's constants: see candidate_arcs.py
-_STRIDE = const(20)
+_STRIDE = const(8)
 _XC = const(0)
 _YC = const(1)
-_BIN_SHIFT = const(2)
-_BIN_SCALE = const(3)
-_FRONT = const(6)  # least of all entries, and a little: no ring enters the outline farther on
-_SECOND = const(7)  # of its bins with a second entry: place in `seconds`,
-_SECOND_BINS = const(8)  # first bin << 5 | how many
-_SLOPE_SHIFT = const(9)  # of the table's slopes
-_IN = const(14)
+_FRONT = const(5)  # least of all entries, and a little: no ring enters the outline farther on
+_SECOND = const(6)  # of its bins with a second entry: place in `seconds`,
+_SECOND_BINS = const(7)  # shift of the table's slopes << 10 | first bin << 5 | how many
 
 
 def fill(draft):
@@ -33,9 +29,10 @@ def _fill_arc(draft, k, used):
     """Returns how many of `seconds` are used afterwards."""
     c = draft.consts
     b = k * _STRIDE
-    inner = c[b + _IN] | c[b + _IN + 1] << 16
-    edges = _edges(draft, c[b + _XC] - _BIAS, c[b + _YC] - _BIAS)
-    width = 1048576 / c[b + _BIN_SCALE] * (1 << c[b + _BIN_SHIFT])  # of a bin, square mm
+    xc = c[b + _XC] - _BIAS
+    yc = c[b + _YC] - _BIAS
+    edges = _edges(draft, xc, yc)
+    inner, width = _rings(draft, xc, yc)
     front = 65535
     firsts = []
     seconds = draft.seconds
@@ -60,24 +57,35 @@ def _fill_arc(draft, k, used):
             if last != first:
                 after = used
     c[b + _FRONT] = front - 200
-    _lay(draft, k, firsts)
     c[b + _SECOND] = first_used
-    c[b + _SECOND_BINS] = second_bin << 5 | (after - first_used) >> 1
+    c[b + _SECOND_BINS] = _lay(draft, k, firsts) << 10 | second_bin << 5 | (after - first_used) >> 1
     return after
 
 
 def _lay(draft, k, entries):
-    """An arc's bins in the table: 24 entries at the inner end, 16-bit words, then 24 bytes: by how much the entry at the outer end is larger, in units of 2**shift, signed."""
+    """An arc's bins in the table: 24 entries at the inner end, 16-bit words, then 24 bytes: by how much the entry at the outer end is larger, in units of 2**shift, signed. Returns the shift."""
     shift = 0
     for low, high in entries:
         while not -128 <= (high - low) >> shift < 128:
             shift += 1
-    draft.consts[k * _STRIDE + _SLOPE_SHIFT] = shift
     t = k * _BINS * 3
     for j, (low, high) in enumerate(entries):
         draft.table[t + 2 * j] = low & 0xFF
         draft.table[t + 2 * j + 1] = low >> 8
         draft.table[t + 2 * _BINS + j] = (high - low) >> shift & 0xFF  # rounded down: never late
+    return shift
+
+
+def _rings(draft, xc, yc):
+    """The square of the least radius that the outline passes about (xc, yc), xc > 0, and the width of a bin, square mm, as collision.py takes them."""
+    hw = draft.half_width + draft.margin
+    hl = draft.half_length + draft.margin
+    inner = max(xc - hw, 0) ** 2 + max(abs(yc) - hl, 0) ** 2
+    span = (xc + hw) ** 2 + (abs(yc) + hl) ** 2 + 1 - inner
+    shift = 0
+    while span >> shift >= 32768:
+        shift += 1
+    return inner, 1048576 / (_BINS * 1048576 // (span >> shift)) * (1 << shift)
 
 
 def _bin(edges, square, width):

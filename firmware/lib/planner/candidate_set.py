@@ -7,7 +7,7 @@ from micropython import const
 
 _BINS = const(24)
 _LENGTHS = const(5)
-_STRIDE = const(20)
+_STRIDE = const(8)
 _SECONDS = const(8)  # for each arc: enough for the usual body with any margin; for others it grows
 _STRIP_STRIDE = const(8)
 

@@ -19,8 +19,9 @@ from core.unload import unload
 
 BIAS = const(8192)
 LENGTHS = const(5)
-ARC_STRIDE = const(20)  # words of `consts` for an arc, of `strips` for a strip: candidate_arcs.py, candidate_strips.py
-STRIP_STRIDE = const(8)
+_ARC_STRIDE = const(8)  # words of `consts` for an arc, of `strips` for a strip: candidate_arcs.py, candidate_strips.py
+_STRIP_STRIDE = const(8)
+_TURN_MM = const(2)  # of an arc
 
 
 class Candidates:
@@ -46,7 +47,7 @@ class Candidates:
         tables = None
         unload("planner.tables")
         self.count = len(self.af)
-        self.arcs = len(self.consts) // ARC_STRIDE
+        self.arcs = len(self.consts) // _ARC_STRIDE
         all_wheels = config.mode == "AWS"
         self.ahead_end = self.arcs if all_wheels else self.arcs // 2
         self.astern_first = 0 if all_wheels else self.arcs // 2
@@ -72,16 +73,16 @@ class Candidates:
     def travel(self, mirroring, k, length):
         """Where `length` mm on a candidate lead to: end_x, end_y (mm) and end_turn (0.1 deg, clockwise) of the body's centre."""
         if k >= self.arcs:
-            b = (k - self.arcs) * STRIP_STRIDE
+            b = (k - self.arcs) * _STRIP_STRIDE
             x = self.strips[b] * length >> 14
             y = self.strips[b + 1] * length >> 14
             turn = 0
         else:
-            b = k * ARC_STRIDE
+            b = k * _ARC_STRIDE
             xc = self.consts[b] - BIAS
             yc = self.consts[b + 1] - BIAS
             # In 0.01 deg, 183 / 2**20 of a radian: the centre may be metres away.
-            per_turn = self.consts[b + 18] | self.consts[b + 19] << 16  # mm of travel
+            per_turn = self.consts[b + _TURN_MM] | self.consts[b + _TURN_MM + 1] << 16  # mm of travel
             turn = (length * 36000 + (per_turn >> 1)) // per_turn
             rest = turn % 10
             turn //= 10

@@ -29,31 +29,27 @@ _SOFT_LENGTH = const(8)
 _HALF_WIDTH = const(9)
 _HALF_LENGTH = const(10)
 _MARGIN = const(11)
-_SOFT = const(12)
+_SOFT = const(12)  # behind the margin
 _LOOK_AHEAD = const(13)
 _ARCS = const(14)
 _BAND = const(15)  # how far beyond the margin the near points are looked at one by one, 1/8 mm
 
-# Fields of an arc's constants, candidate_arcs.py: 16-bit words, and what is too large for those as words of 32 bits
-_ARC_HALVES = const(20)
-_ARC_WORDS = const(10)
+_INNER = const(16)  # square mm, what _rings() finds: two each
+_OUTER = const(18)
+_FIELDS = const(20)
+
+# Fields of an arc's constants, 16-bit words: candidate_arcs.py
+_ARC_STRIDE = const(8)
 _XC = const(0)
 _YC = const(1)
-_BIN_SHIFT = const(2)
-_BIN_SCALE = const(3)
-_ANGLE_MAX = const(4)
-_REF = const(5)
-_FRONT = const(6)
-_SECOND = const(7)
-_SECOND_BINS = const(8)
-_SLOPE_SHIFT = const(9)
-_IN_SOFT = const(5)
-_OUT_SOFT = const(6)
-_IN = const(7)
-_OUT = const(8)
-_TURN_MM = const(9)
+_TURN_MM = const(2)
+_REF = const(4)
+_FRONT = const(5)
+_SECOND = const(6)
+_SECOND_BINS = const(7)
 
 _BINS = const(24)
+_FARTHEST = const(60000)  # turn, of 65536
 _NONE = const(65535)
 
 
@@ -176,6 +172,29 @@ def _stop_at_outline(px: ptr16, py: ptr16, job: ptr32, a: int, b: int, ref: int)
 
 
 @micropython.viper
+def _rings(job: ptr32, x: int, y: int):
+    """Squares of the radii between which the outline passes when the body turns about x > 0, y (mm): job[_INNER], job[_OUTER], of two each.
+
+    The first of the two with the margin round the outline, the second with the soft margin.
+    """
+    if y < 0:
+        y = 0 - y
+    i = 0
+    while i < 2:
+        across = job[_MARGIN + i] + job[_HALF_WIDTH]
+        along = job[_MARGIN + i] + job[_HALF_LENGTH]
+        job[_OUTER + i] = (x + across) * (x + across) + (y + along) * (y + along) + 1
+        across = x - across
+        if across < 0:
+            across = 0
+        along = y - along
+        if along < 0:
+            along = 0
+        job[_INNER + i] = across * across + along * along
+        i += 1
+
+
+@micropython.viper
 def _sweep_arcs(points_x, points_y, jobs, consts: ptr16, table: ptr16, seconds: ptr16, free: ptr16, soft: ptr16, blocker: ptr16):
     """Free length of the arc candidates job[_FIRST]..job[_LAST]-1 against the points.
 
@@ -189,7 +208,6 @@ def _sweep_arcs(points_x, points_y, jobs, consts: ptr16, table: ptr16, seconds: 
     px = ptr16(points_x)
     py = ptr16(points_y)
     job = ptr32(jobs)
-    wide = ptr32(consts)
     slopes = ptr8(table)
     sine = ptr16(SIN)
     last_block = _NONE
@@ -197,21 +215,26 @@ def _sweep_arcs(points_x, points_y, jobs, consts: ptr16, table: ptr16, seconds: 
     n = job[_COUNT]
     k = job[_FIRST]
     while k < job[_LAST]:
-        base = k * _ARC_HALVES
+        base = k * _ARC_STRIDE
         xc = consts[base + _XC]
         yc = consts[base + _YC]
-        shift = consts[base + _BIN_SHIFT]
-        scale = consts[base + _BIN_SCALE]
+        turn_mm = consts[base + _TURN_MM] | consts[base + _TURN_MM + 1] << 16
         front = consts[base + _FRONT]
         second = consts[base + _SECOND]
-        second_bins = consts[base + _SECOND_BINS] & 31
-        second_bin = consts[base + _SECOND_BINS] >> 5
-        at = k * _ARC_WORDS
-        in_soft = wide[at + _IN_SOFT]
-        out_soft = wide[at + _OUT_SOFT]
-        r2_in = wide[at + _IN]
-        r2_out = wide[at + _OUT]
-        turn_mm = wide[at + _TURN_MM]
+        second_bins = consts[base + _SECOND_BINS]
+        slope_shift = second_bins >> 10
+        second_bin = second_bins >> 5 & 31
+        second_bins = second_bins & 31
+        _rings(jobs, xc - 8192, yc - 8192)
+        r2_in = job[_INNER]
+        in_soft = job[_INNER + 1]
+        r2_out = job[_OUTER]
+        out_soft = job[_OUTER + 1]
+        # Bins are even in the square of the distance: (d2 - r2_in >> shift) * scale >> 12 = bin in 1/256, with both factors below 2**15.
+        shift = 0
+        while r2_out - r2_in >> shift >= 32768:
+            shift += 1
+        scale = (_BINS << 20) // (r2_out - r2_in >> shift)
         length = job[_LOOK_AHEAD]
         soft_length = length
         block = _NONE
@@ -222,8 +245,8 @@ def _sweep_arcs(points_x, points_y, jobs, consts: ptr16, table: ptr16, seconds: 
             length = job[_LENGTH]
             soft_length = job[_SOFT_LENGTH]
         limit = (length << 16) // turn_mm
-        if limit > consts[base + _ANGLE_MAX]:
-            limit = consts[base + _ANGLE_MAX]
+        if limit > _FARTHEST:
+            limit = _FARTHEST
         soft_limit = (soft_length << 16) // turn_mm
         if soft_limit > limit:
             soft_limit = limit
@@ -283,7 +306,6 @@ def _sweep_arcs(points_x, points_y, jobs, consts: ptr16, table: ptr16, seconds: 
                             phi = 32768 - phi
                         if dy < 0:
                             phi = 65536 - phi
-                        # bins are even in the square of the distance: no root is needed
                         pos = d2 - r2_in
                         if pos < 0:
                             pos = 0
@@ -292,7 +314,7 @@ def _sweep_arcs(points_x, points_y, jobs, consts: ptr16, table: ptr16, seconds: 
                             pos = _BINS * 256 - 1
                         bin = pos >> 8
                         pos = pos & 255
-                        e = ((slopes[slope + bin] ^ 128) - 128) << consts[base + _SLOPE_SHIFT]
+                        e = ((slopes[slope + bin] ^ 128) - 128) << slope_shift
                         h = (table[row + bin] + ((e * pos) >> 8) - phi) & 0xFFFF
                         bin -= second_bin
                         if bin >= 0 and bin < second_bins:
@@ -377,8 +399,14 @@ class CollisionCheck:
 
     def __init__(self, candidates):
         self._candidates = candidates
-        c = candidates
-        self._job = array("i", (0, 0, 0, 0, 0, 0, 0, 0, 0, c.half_width, c.half_length, c.margin, c.soft, c.look_ahead, c.arcs, BAND_MM << 3))
+        self._job = job = array("i", bytes(4 * _FIELDS))
+        job[_HALF_WIDTH] = candidates.half_width
+        job[_HALF_LENGTH] = candidates.half_length
+        job[_MARGIN] = candidates.margin
+        job[_SOFT] = candidates.soft
+        job[_LOOK_AHEAD] = candidates.look_ahead
+        job[_ARCS] = candidates.arcs
+        job[_BAND] = BAND_MM << 3
 
     def prepare(self, n, near, stride, floor):
         """What several check() have in common: n points, those near the outline first (`near` of them, see perception/windows.py); each stride-th of the arcs is

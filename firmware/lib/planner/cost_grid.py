@@ -10,10 +10,7 @@ from micropython import const
 _N = const(28)
 _TURNS = const(12)
 _ROWS = const(336)
-_PLACES = const(784)
-_STATES = const(9408)
 _ALL = const(0x0FFFFFFF)  # columns of a row
-_OUT = const(255)  # cost of what is closed or not reached
 _KNEE = const(216)  # of costs: see propagate.py
 _TRAIL = const(120)  # points of the trail
 _VISITS = const(40)  # a revisit cost rises no further
@@ -30,22 +27,11 @@ FIELDS = const(5)
 
 
 @micropython.viper
-def clear(cost: ptr8, closed: ptr32, near: ptr32, marks: ptr32, revisit: ptr8):
-    """Begin a grid: nothing closed, nothing reached, a revisit cost of 2 halves everywhere."""
-    i = 0
-    while i < _STATES:
-        cost[i] = _OUT
-        i += 1
-    i = 0
-    while i < _ROWS:
-        closed[i] = 0
-        near[i] = 0
-        marks[i] = 0
-        i += 1
-    i = 0
-    while i < _PLACES:
-        revisit[i] = 2
-        i += 1
+def fill(words: ptr16, n: int, value: int):
+    """Put the value into the first n of 16-bit words."""
+    while n > 0:
+        n -= 1
+        words[n] = value
 
 
 @micropython.viper

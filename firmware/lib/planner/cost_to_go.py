@@ -21,7 +21,7 @@ from micropython import const
 
 from core.unload import unload
 from planner import heading_branch
-from planner.cost_grid import clear, close, cover, seed
+from planner.cost_grid import close, cover, fill, seed
 from planner.propagate import propagate
 
 _POINTS = const(26)  # closed in one slice
@@ -187,7 +187,10 @@ class CostToGo:
         job = self._job
         if stage == 0:
             self._begin(odometry)
-            clear(self.cost, self._closed, self._near, self._marks, self._revisit)
+            # Nothing closed, near or marked, nothing reached; a revisit cost of 2 halves everywhere.
+            fill(self.cost, _STATES >> 1, 0xFFFF)
+            fill(self.scratch, 3 * 2 * _ROWS, 0)
+            fill(self._revisit, _PLACES >> 1, 0x0202)
         elif stage == 1:
             # Ground covered becomes expensive, more each time; not what the body still stands on.
             first = self._trail - _TRAIL

@@ -13,7 +13,8 @@ from time import ticks_diff
 from micropython import const
 
 from planner.candidates import LENGTHS
-from planner.move_cost import NOTHING, best, clear, in_a_slice
+from planner.cost_grid import fill
+from planner.move_cost import NOTHING, best, in_a_slice
 
 _PATIENCE = const(5)  # times backing up on the same ground
 _CHOSEN_US = const(76_000)  # as long a single move is left alone
@@ -112,7 +113,7 @@ class Decision:
         self.late = False
         self.here = self.move_cost.stand(odometry)
         for scores in self.scores:
-            clear(scores, LENGTHS * self.candidates.count)
+            fill(scores, LENGTHS * self.candidates.count, NOTHING)
         self.next = 0
         self.least = NOTHING
         # Where two moves were needed last, all candidates are likely to be. Else the side taken last comes first: it sets the measure for the other.

@@ -134,14 +134,6 @@ def _score(cost, ends: ptr16, turns: ptr16, af: ptr16, ar: ptr16, lengths: ptr16
 
 
 @micropython.viper
-def clear(score: ptr16, n: int):
-    """No move of n is possible."""
-    while n > 0:
-        n -= 1
-        score[n] = 65535
-
-
-@micropython.viper
 def best(score: ptr16, first: int, last: int, stride: int) -> int:
     """Number of the move with the lowest score, of candidates first, first + stride, ... before last; NOTHING if none is possible."""
     best = 65534
