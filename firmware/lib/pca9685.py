@@ -4,7 +4,7 @@ A register image is kept here and sent as one burst, so that all outputs of a ch
 
     chip = PCA9685(i2c, 0x40, frequency=50, oscillator=25_000_000)
     chip.start()                      # every output off
-    count = chip.counts(1500)         # 1500 us
+    count = 307                       # of 4096: 1500 us
     chip.image[3] = count & 0xFF      # OFF_L and OFF_H of output 0
     chip.image[4] = count >> 8
     chip.write()
@@ -18,7 +18,6 @@ import micropython
 from micropython import const
 
 _MODE1 = const(0x00)
-_LED0 = const(0x06)  # ON_L, ON_H, OFF_L, OFF_H of each channel
 _PRE_SCALE = const(0xFE)  # taken only while the chip sleeps
 
 _SLEEP = const(0x10)
@@ -26,7 +25,6 @@ _AUTO_INCREMENT = const(0x20)
 _FULL = const(0x10)  # bit 4 of ON_H: always on; of OFF_H: always off, which wins
 
 _OSCILLATOR_START_US = const(500)
-_ALL_CALL = const(0x70)
 
 _ASLEEP = const(b"\x00\x30\x04")  # MODE1: auto increment, sleep; MODE2: totem pole
 _AWAKE = const(b"\x00\x20")
@@ -59,19 +57,10 @@ class PCA9685:
     """
 
     def __init__(self, i2c, address=0x40, frequency=50, oscillator=25000000, channels=16):
-        if not 0x40 <= address <= 0x7F or address == _ALL_CALL:
-            raise ValueError("PCA9685 address must be 0x40 .. 0x7F and not 0x70 (answered by every chip), not 0x%02x" % address)
-        if not 1 <= channels <= 16:
-            raise ValueError("a PCA9685 has 1 .. 16 channels, not %r" % channels)
-        self.address = address
-        self.prescale = min(max((oscillator + 2048 * frequency) // (4096 * frequency) - 1, 3), 255)
-        self._oscillator = oscillator
-        self._i2c = i2c
-        self.image = bytearray(1 + 4 * channels)
-        self.image[0] = _LED0
+        from actuation.wiring import chip
+
+        chip(self, i2c, address, frequency, oscillator, channels)
         _blank(self.image, len(self.image))
-        self._scale = bytes((_PRE_SCALE, self.prescale))
-        self._byte = bytearray(1)
 
     def start(self):
         """Set up the chip, whatever it did before, with every output off, in the image too."""
@@ -81,11 +70,6 @@ class PCA9685:
         self._send(_AWAKE)
         _blank(self.image, len(self.image))
         time.sleep_us(_OSCILLATOR_START_US)
-
-    def counts(self, us, parts=1):
-        """Width of a pulse of `us` microseconds in counts of 1/4096 period, or in so many parts of a count; int, rounded."""
-        scale = 1000000 * (self.prescale + 1)
-        return (us * self._oscillator * parts + scale // 2) // scale
 
     def write(self):
         """Send the image in one burst."""
@@ -98,7 +82,14 @@ class PCA9685:
 
     def check(self):
         """False if the chip has lost its settings, as after a dip of its supply; it is then set up again: see start()."""
-        if self._read(_MODE1) & (_SLEEP | _AUTO_INCREMENT) == _AUTO_INCREMENT and self._read(_PRE_SCALE) == self.prescale:
+        byte = self._byte
+        try:
+            self._i2c.readfrom_mem_into(self.address, _MODE1, byte)
+            good = byte[0] & (_SLEEP | _AUTO_INCREMENT) == _AUTO_INCREMENT
+            self._i2c.readfrom_mem_into(self.address, _PRE_SCALE, byte)
+        except OSError:
+            self._absent()
+        if good and byte[0] == self.prescale:
             return True
         self.start()
         return False
@@ -113,13 +104,6 @@ class PCA9685:
             self._i2c.writeto(self.address, registers)
         except OSError:
             self._absent()
-
-    def _read(self, register):
-        try:
-            self._i2c.readfrom_mem_into(self.address, register, self._byte)
-        except OSError:
-            self._absent()
-        return self._byte[0]
 
     def _absent(self):
         raise OSError("PCA9685 at 0x%02x does not answer: check its power, SDA, SCL and address jumpers" % self.address)

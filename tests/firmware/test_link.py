@@ -384,6 +384,22 @@ def test_names_are_told_to_who_asks():
     assert len(json.loads(names)["reasons"]) > 10 and len(json.loads(names)["faults"]) > 4
 
 
+def test_what_finds_no_memory_is_said_and_the_robot_goes_on():
+    def no_room(now_us, robot):
+        raise MemoryError
+
+    link, line, robot = make()
+    rare, link.rare = link.rare, no_room
+    line.receive(frame(protocol.GREET, b"\1\0\0\0\1") + frame(protocol.LIST, b"\2\0\0\0"))
+    told = run(link, line, robot)
+    assert protocol.NAMES not in told and protocol.PARAMETER not in told and len(told[protocol.WHEELS]) > 10
+    assert any("no memory" in str(bytes(text), "utf-8") for text in told[protocol.LOG])
+    assert "no memory" in reply_to(link, line, robot, frame(protocol.TUNE, b"\3\0\0\0drive.cruise=100"))[1]
+    link.rare = rare
+    line.receive(frame(protocol.GREET, b"\4\0\0\0\1"))
+    assert protocol.NAMES in run(link, line, robot)
+
+
 class Machine:
     """The module machine."""
 
@@ -594,4 +610,5 @@ def test_what_is_loaded_when_used_leaves_the_heap_as_it_was():
         now += 4_000_000
         gc.collect()
         taken[k] = gc.mem_alloc()
-    assert taken[2:] == [taken[2]] * 10, taken
+    # What a word on the stack happens to look like keeps a dead object now and then; what really stayed would be there in each later round.
+    assert min(taken[7:]) == min(taken[2:7]), taken

@@ -3,6 +3,7 @@
 import micropython
 from fake_chips import FakeBus
 
+from actuation.wiring import counts
 from pca9685 import PCA9685
 
 
@@ -102,15 +103,15 @@ def test_prescale_of_the_data_sheet():
 
 def test_counts_of_servo_pulses():
     chip = PCA9685(None)
-    assert [chip.counts(us) for us in (500, 1500, 2500)] == [102, 307, 512]
-    assert chip.counts(1500, 32768) == round(1500 * 25 / 122 * 32768)
+    assert [counts(us, chip.prescale) for us in (500, 1500, 2500)] == [102, 307, 512]
+    assert counts(1500, chip.prescale, parts=32768) == round(1500 * 25 / 122 * 32768)
 
 
 def test_a_measured_oscillator_corrects_the_pulses():
     # 8 % fast: the same time takes more counts, once the prescale has taken out what it can
     chip = PCA9685(None, oscillator=27000000)
     assert chip.prescale == 131
-    assert abs(chip.counts(1500) * 132 / 27 - 1500) <= 2.5
+    assert abs(counts(1500, chip.prescale, 27000000) * 132 / 27 - 1500) <= 2.5
 
 
 def test_absent_chip_is_named_with_the_remedy():

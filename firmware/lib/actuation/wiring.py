@@ -1,4 +1,4 @@
-"""What the constructors of drive and outputs do: which register of which chip moves each wheel, and how far. Needed once, at the start."""
+"""What the constructors of chips, outputs and drive do: which register of which chip moves each wheel, and how far. Needed once, at the start."""
 
 from array import array
 
@@ -6,14 +6,40 @@ from micropython import const
 
 _HISTORY = const(32)  # as in drive.py
 
+_LED0 = const(0x06)  # as in pca9685.py
+_PRE_SCALE = const(0xFE)
+_ALL_CALL = const(0x70)
+
+
+def chip(self, i2c, address, frequency, oscillator, channels):
+    """Fields of a PCA9685."""
+    if not 0x40 <= address <= 0x7F or address == _ALL_CALL:
+        raise ValueError("PCA9685 address must be 0x40 .. 0x7F and not 0x70 (answered by every chip), not 0x%02x" % address)
+    if not 1 <= channels <= 16:
+        raise ValueError("a PCA9685 has 1 .. 16 channels, not %r" % channels)
+    self.address = address
+    self.prescale = min(max((oscillator + 2048 * frequency) // (4096 * frequency) - 1, 3), 255)
+    self._i2c = i2c
+    self.image = bytearray(1 + 4 * channels)
+    self.image[0] = _LED0
+    self._scale = bytes((_PRE_SCALE, self.prescale))
+    self._byte = bytearray(1)
+
+
+def counts(us, prescale, oscillator=25000000, parts=1):
+    """Width of a pulse of `us` microseconds in counts of 1/4096 period, or in so many parts of a count; int, rounded."""
+    scale = 1000000 * (prescale + 1)
+    return (us * oscillator * parts + scale // 2) // scale
+
 
 def _servo_lines(config, chip):
     """Each wheel's pulse over its angle is a line: array 'i' as outputs._servo_registers reads it, without the trims. chip: the servos' PCA9685."""
     wheels = 2 * config.axles
+    oscillator = config.servos_oscillator
     lines = array("i", [wheels])
     for k in range(wheels):
-        first = chip.counts(config.servos_pulse_low[k], 32768)
-        last = chip.counts(config.servos_pulse_high[k], 32768)
+        first = counts(config.servos_pulse_low[k], chip.prescale, oscillator, 32768)
+        last = counts(config.servos_pulse_high[k], chip.prescale, oscillator, 32768)
         slope = (last - first + 900) // 1800 * config.servos_directions[k]
         lines.append((first + last) // 2)
         lines.append((slope + 0x8000) << 6 | 3 + 4 * config.servos_channels[k])

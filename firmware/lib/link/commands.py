@@ -37,19 +37,6 @@ class Commands:
     replies         [(counter, type, status, text as bytes)] to the last commands, not sent yet
     """
 
-    def __init__(self, config, session, signer):
-        self.config = config
-        self.changed = {}
-        self.session = session
-        self.signer = signer
-        self.state = AUTO
-        self.af = self.ar = self.refused = self.counter = 0
-        self.v = 90
-        self.greeted = self.restarting = False
-        self.listing = -1
-        self.replies = []
-        self._heard_us = None
-
     def expire(self, now_us):
         """Stop driving by hand when the hand is gone."""
         if self.state == MANUAL and ticks_diff(now_us, self._heard_us) > _SILENCE_US:

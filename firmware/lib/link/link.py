@@ -63,28 +63,9 @@ class Link(Commands):
     """
 
     def __init__(self, config, identity, encoder, carriers, session, signer=None):
-        super().__init__(config, session, signer)
-        self._identity = identity
-        self._encoder = encoder
-        self._carriers = carriers
-        self.dropped = 0
-        self._told_us = [None] * _KINDS  # when each was told last
-        self._decisions = self._points_of = -1
-        self._pose_next = False
-        self._unsealed = 0  # payload's length of the long message that has been put together
-        self._sealed = False  # True when it has its check and has yet to be sent
-        self._names_due = False
-        self._asker = None  # the carrier over which somebody asked without knowing the session
-        self._logs = []
-        self._drive_fault = ""
-        self._battery_low = False
-        self._pressed_us = None  # since when the stop button is held
-        self._stood = False  # before it was
-        self._turn = config.lidar_frames  # of the lidar; told at the start only
-        self._watched = self._scan = None  # the module, while wanted; its ScanGatherer
-        self._wanted = self._side = 0
-        self._rare = None  # the module requests.py
-        self._rare_us = 0
+        from link.start import set_up_link
+
+        set_up_link(self, config, identity, encoder, carriers, session, signer)
 
     def log(self, level, text):
         """Queue a line for the log: level 0 information, 1 warning, 2 error; text a str. Allocates; not for every loop."""
@@ -109,7 +90,10 @@ class Link(Commands):
             line.update(now_us)
             idle = idle and line.idle()
             while line.take(now_us):
-                self._hear(line, now_us, robot)
+                if self.obey(line, now_us, robot):
+                    line.heard(now_us)
+                elif line.signed and line.decoder.kind == _GREET and self._is_due(_ANSWER, now_us, _HELLO_US):
+                    self._asker = line  # broadcasts do not reach everyone; once a second, so that nobody gains by asking
                 hears = hears or not line.signed  # strangers in the network must not be able to hold it up
             hears = hears or line.decoder.waiting()
         self.expire(now_us)
@@ -121,7 +105,12 @@ class Link(Commands):
                 self._sealed = False
                 self._send()
             elif not self._unsealed:
-                self._tell(now_us, robot)
+                try:
+                    self._tell(now_us, robot)
+                except MemoryError:  # for the module that would tell it; the robot drives on
+                    self._names_due = False
+                    self.listing = -1
+                    self.log(1, "no memory for this now: try again")
             elif not hears:
                 self._encoder.seal(self._unsealed)
                 self._unsealed = 0
@@ -130,7 +119,10 @@ class Link(Commands):
             self._rare = None
             forget("link.requests", "params.settings")
         if self.restarting and ticks_diff(now_us, self._rare_us) > _RESTART_US:
-            self.rare(now_us, robot).restart(robot)
+            try:
+                self.rare(now_us, robot).restart(robot)
+            except MemoryError:
+                pass  # until there is
 
     def close(self):
         """Give the carriers back, Ctrl-C among them."""
@@ -161,12 +153,6 @@ class Link(Commands):
             self._watched = self._scan = None
             forget("link.watched")
         self._wanted = flags
-
-    def _hear(self, line, now_us, robot):
-        if self.obey(line, now_us, robot):
-            line.heard(now_us)
-        elif line.signed and line.decoder.kind == _GREET and self._is_due(_ANSWER, now_us, _HELLO_US):
-            self._asker = line  # broadcasts do not reach everyone; once a second, so that nobody gains by asking
 
     def _remark(self, robot):
         """Put into the log what should not be missed."""
