@@ -7,7 +7,7 @@ INSTALLED := $(VENV)/.installed
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint bench experiments flash deploy monitor screenshots budget
+.PHONY: help setup demo test lint bench experiments flash deploy monitor screenshots budget drawings
 
 help:  ## list the words
 	@sed -n 's/^\([a-z][a-z-]*\):[^#]*## /\1\t/p' $(MAKEFILE_LIST) | sort | awk -F'\t' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -46,6 +46,9 @@ bench: $(READY)  ## measure what the firmware's stages take, here and on the ESP
 
 experiments: $(READY)  ## run the papers' experiments and write docs/results.md (ARGS=--quick for a taste, --cluster ADDRESS)
 	@$(RUN) -m host.experiments $(ARGS)
+
+drawings: $(READY)  ## make the drawings of docs/planner.md anew, from a run of the firmware
+	@$(RUN) -m host.drawings
 
 budget: $(READY)  ## what the firmware takes of the board's memory, measured, and what is left (ARGS="--option screen.kind=nextion")
 	@$(RUN) -m host.budget $(ARGS)

@@ -1,0 +1,117 @@
+"""Runs the firmware on a tape and writes down what the planner knows at each decision that takes two moves. Runs under MicroPython.
+
+    watch.py TAPE LOG BENCH_BOARD TWIN_BOARD FIRMWARE
+
+LOG: a line of JSON for each such decision; buffers in hexadecimal. Nothing in the firmware is changed: its stages are called through a
+function that looks on.
+"""
+
+import json
+import sys
+from binascii import hexlify
+
+_tape, _path, _bench_board, _twin_board, _firmware = sys.argv[1:6]
+sys.path[:] = [_bench_board, _twin_board, _firmware, _firmware + "/lib"]
+
+
+def _take_over(name):
+    """Make the board's module the one that `import name` gives."""
+    sys.modules.pop(name, None)
+    sys.modules[name] = __import__(name)
+
+
+import lockstep
+
+_take_over("time")
+_take_over("machine")
+
+_log = open(_path, "w")
+_kept = {}  # the grid made last, and the pose from which the points were looked at last
+
+
+def _hex(buffer):
+    return hexlify(bytes(buffer)).decode()
+
+
+def _words(buffer, n):
+    return [buffer[i] for i in range(n)]
+
+
+def _grid(decision):
+    """A cost to go has just been made: what it was made of is still there."""
+    made = decision.cost_to_go
+    _kept["grid"] = {
+        "cost": _hex(made.cost),
+        "scratch": _hex(made.scratch),
+        "corner": [made.corner_x, made.corner_y],
+        "cell": made.cell,
+    }
+
+
+def _pair(decision):
+    """Two moves, or the best single one, have been chosen, and the first has been looked at again among the points as they are now."""
+    two, plan, ways, here = decision.two_step, decision.plan, decision.ways, decision.map
+    n = two.count
+    if "grid" not in _kept:
+        return
+    line = {
+        "time_us": lockstep.now,
+        "grid": _kept["grid"],
+        "pose": _kept["pose"],
+        "x": _words(ways.x, ways.n),
+        "y": _words(ways.y, ways.n),
+        "near": ways.near,
+        "map_x": _words(here.x, here.count),
+        "map_y": _words(here.y, here.count),
+        "first": {"mirroring": _words(two.mirroring, n), "candidate": _words(two.candidate, n), "length": _words(two.length, n)},
+        "chosen": two.chosen,
+        "found": bool(two.found),
+        "second": [two.second_mirroring, two.second_candidate, two.second_length],
+        "taken": [plan.mirroring, plan.candidate, plan.free],
+    }
+    _log.write(json.dumps(line) + "\n")
+
+
+def _watch(decision):
+    ways = decision.ways
+    look = type(ways).look
+
+    def looked(x, y, heading):
+        _kept["pose"] = [x, y, heading]
+        look(ways, x, y, heading)
+
+    ways.look = looked
+    settle = decision.STAGES[-1]
+
+    def looking_on(stage):
+        def call(decision, odometry):
+            renewing = decision.renewing
+            comes_next = stage(decision, odometry)
+            if renewing and not decision.renewing:
+                _grid(decision)
+            elif stage is settle:
+                _pair(decision)
+            return comes_next
+
+        return call
+
+    decision.STAGES = tuple(looking_on(stage) for stage in decision.STAGES)
+
+
+def _step(time):
+    avoid = getattr(getattr(sys.modules.get("main"), "robot", None), "avoid", None)
+    if avoid is not None:
+        _watch(avoid.decision)
+        lockstep.on_step = None
+
+
+def _end():
+    lockstep.on_step, lockstep.on_end = None, lambda: None  # the firmware switches off yet
+    _log.close()
+    sys.exit(0)
+
+
+lockstep.on_step, lockstep.on_end = _step, _end
+lockstep.connect(_tape)
+
+import main  # noqa: F401
