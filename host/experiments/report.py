@@ -103,7 +103,7 @@ _TIMES = """The paper's decisions, on a laptop, took at most 20 ms in {paper:g} 
 out and the look-ahead included; going on with a plan that still holds is not counted as one. *Here* is MicroPython on the computer that ran
 this campaign, *ESP32* is modelled from the instructions executed (`make bench`). The robot goes on between slices, so what a lidar frame waits for is the longest slice, not the decision."""
 
-_PLANNERS = """- **rule24**: paper A as written: windows and zones of one revolution, gaps between neighbouring points, AF and AR by one degree until rule (24) holds,
+_PLANNERS = """- **rule24**: [paper A](planner.md#sources) as written: windows and zones of one revolution, gaps between neighbouring points, [AF and AR](planner.md#the-words) by one degree until rule (24) holds,
   with a compensation of 35 mm (the paper gives no value), the emergency moves of its section 6, and section 4.3 where no gap is found. What the paper leaves
   open is the mirror image of what it says.
 - **disc-round**, **disc-narrow**: follow the gap (Sezer and Gokasan 2012) with the body taken for a disc: the one round the body, 325 mm in

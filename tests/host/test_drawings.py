@@ -75,6 +75,22 @@ def test_what_is_drawn_is_what_the_firmware_found(made):
         assert one.free(moment, mirroring, candidate)[0] == free
 
 
+def test_links_into_the_page_meet_a_heading():
+    headings = {re.sub(r"[^\w -]", "", line.lstrip("# ")).lower().replace(" ", "-") for line in drawings.PAGE.read_text().splitlines() if line.startswith("#")}
+    root = drawings.PAGE.parents[1]
+    wanted = {
+        anchor for page in (*root.glob("*.md"), *root.glob("docs/*.md")) for anchor in re.findall(r"\]\((?:docs/)?planner\.md#([^)]*)\)", page.read_text())
+    }
+    wanted.update(re.findall(r"\]\(#([^)]*)\)", drawings.PAGE.read_text()))
+    assert wanted and wanted <= headings
+
+
+@pytest.mark.parametrize("page", ("architecture", "monitor", "twin", "results"))
+def test_a_page_that_speaks_of_af_and_ar_links_to_what_they_are(page):
+    text = (drawings.PAGE.parent / f"{page}.md").read_text()
+    assert "AF" in text and "](planner.md#the-words)" in text
+
+
 def test_stages_are_read_from_the_table():
     assert stages.stages(DECISION) == {"one": ("one", "two"), "two": ("one",)}
 
