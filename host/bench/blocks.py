@@ -84,7 +84,7 @@ class Cutter:
 
     def _marked(self, node):
         """The viper function with marks; the counters' numbers follow when the same function is counted."""
-        order = []
+        order: list[int] = []
         body = _Marks(order).function(node.body)
         self.segments[self._name].append((node.name, order))
         arguments = ast.arguments(**{**vars(node.args), "args": [*node.args.args, ast.arg("_mark", ast.Name("int"))]})
@@ -107,6 +107,26 @@ class _Shape:
     Each way of a condition is a block, and what follows the condition; a loop's body, and what follows it. The condition of a loop
     stands behind its body in the machine code and is executed as often as that.
     """
+
+    def begin(self, line: int, loop: bool) -> list:
+        """Statements at the beginning of a new block."""
+        raise NotImplementedError
+
+    def resume(self, outer, node) -> list:
+        """Statements behind a condition or loop, where the block round it goes on."""
+        raise NotImplementedError
+
+    def tail(self, body) -> list:
+        """Statements at the end of a loop's body."""
+        raise NotImplementedError
+
+    def current(self):
+        """The block that is being filled."""
+        raise NotImplementedError
+
+    def charge(self, node) -> None:
+        """A statement or condition belongs to it."""
+        raise NotImplementedError
 
     def function(self, body):
         at = self.begin(body[0].lineno, False)
@@ -222,7 +242,7 @@ class _Marks(_Shape):
 
 def _constants(tree):
     """Names that the compiler replaces by their values."""
-    found = set()
+    found: set[str] = set()
     for node in tree.body:
         if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call) and getattr(node.value.func, "id", "") == "const":
             found.update(target.id for target in node.targets if isinstance(target, ast.Name))

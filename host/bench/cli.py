@@ -105,7 +105,7 @@ def worst(courses=scans.ALL, firmware=image.FIRMWARE, quiet=True):
     """{"runs": how many, "stages": {stage: {"worst_ms_esp32", "course" in which}}}, modelled only."""
     tapes = _tapes(courses, firmware, quiet)
     bench = Bench(firmware)
-    found = {}
+    found: dict[str, tuple[float, str]] = {}
     with ThreadPoolExecutor(WORKERS) as pool, tqdm(total=len(tapes), desc="playing them back", disable=quiet or None) as bar:
         for tape, log in zip(tapes, pool.map(bench.count, tapes), strict=True):
             samples = stages.samples(log, True)
@@ -146,7 +146,7 @@ def report(found, inner):
         f"{'':9}{_cell(whole['median_us_here'])}{_cell(whole['worst_us_here'])}   all slices of a decision; going on with a plan is none"
     )
     lines += ["", f"{'':54}{'now':>9}{'to reach':>10}"]
-    for words, value, budget in (
+    rows: tuple[tuple[str, float | None, str], ...] = (
         ("main.py's first line to first decision, modelled, ms", found["start_ms_esp32"], f"{START_BUDGET_MS}"),
         ("worst turn, screen and raw scans on, modelled, ms", found["turn_worst_ms_esp32"], f"{TURN_BUDGET_MS}"),
         ("  ... of which link.update, worst", found["link_worst_ms_esp32"], f"{LINK_BUDGET_MS}"),
@@ -155,11 +155,12 @@ def report(found, inner):
         ("times faster than the papers' iteration", found["ratio_to_paper"], f"{RATIO_TO_PAPER}"),
         ("  ... those alone that do not go on with a plan", found["ratio_to_paper_in_full"], ""),
         ("times faster than the swept test untabled", found["ratio_to_plain"], f"{RATIO_TO_PLAIN}"),
-    ):
-        lines.append(f"{words:54}{value if isinstance(value, int) else format(value or 0, '.1f'):>9}{budget:>10}")
+    )
+    for words, value, limit in rows:
+        lines.append(f"{words:54}{value if isinstance(value, int) else format(value or 0, '.1f'):>9}{limit:>10}")
     lines += ["", "Inner steps of the worst of each part (function: line of the loop, times, share of the part's time):"]
-    for part, rows in inner.items():
-        lines.append(f"  {part:8}" + "; ".join(f"{name} {times} {share:.0%}" for name, times, share in rows))
+    for part, shares in inner.items():
+        lines.append(f"  {part:8}" + "; ".join(f"{name} {times} {share:.0%}" for name, times, share in shares))
     lines += ["", "! over budget. ESP32: executed instructions x CPI 2 at 240 MHz, bus at 400 kHz; the assumptions are in host/bench/costs.py."]
     return "\n".join(lines)
 

@@ -47,10 +47,10 @@ def firmware_of(ref):
     if done.returncode:
         said = done.stderr.decode(errors="replace").strip().splitlines()
         raise ValueError(f"{ref} is neither a folder with a firmware in it nor a commit: {said[-1] if said else 'git says nothing'}")
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as scratch:
         with tarfile.open(fileobj=io.BytesIO(done.stdout)) as archive:
-            archive.extractall(folder, filter="data")
-        yield Path(folder) / "firmware"
+            archive.extractall(scratch, filter="data")
+        yield Path(scratch) / "firmware"
 
 
 def compare(ref, courses=scans.COURSES, firmware=image.FIRMWARE, each=None):

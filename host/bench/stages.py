@@ -153,7 +153,7 @@ def steps(bench, logs):
     for part in ("poll", "place", "guard", "work", "update"):
         worst = max(logs, key=lambda log: _cost(bench, log.worst[part])).worst[part]
         total = _cost(bench, worst)
-        found = {}
+        found: dict[str, tuple[int, int]] = {}
         for block in bench.blocks:
             if worst[block.number]:
                 loop = bench.blocks[block.inside]

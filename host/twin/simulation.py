@@ -107,7 +107,7 @@ class Simulation:
     def _decide(self, request):
         probe = request.probe
         if probe[0] and (not self.decisions or self.decisions[-1].number != probe[0]):
-            self.decisions.append(Decision(*probe, time_us=request.now))
+            self.decisions.append(Decision._make((*probe, request.now)))
             self._watch.decision(self.decisions[-1])
 
     def _move(self, time):

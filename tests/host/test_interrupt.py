@@ -26,5 +26,5 @@ def test_ctrl_c_leaves_everything_off(engine):
     result = run("Z", 600, engine=engine, watch=watch, limit_s=5, record=False)
     assert watch.drove and "KeyboardInterrupt" in result.reason
     electronics = watch.simulation.electronics
-    assert not electronics._enabled
+    assert not electronics.enabled
     assert all(chip.duty(channel) == 0 for chip in electronics.chips.values() for channel in range(16))

@@ -140,9 +140,9 @@ def test_margins_and_look_ahead_count_from_the_next_start_and_everything_can_be_
 
 def test_one_wheel_is_turned_alone_and_only_while_the_robot_stands():
     point = struct.pack(protocol.POINT_FORMAT, 1, 0, 200)
-    watch = Hand([(1.0, protocol.POINT, point), (1.6, protocol.POINT, point)])
-    run("Z", 620, watch=watch, limit_s=2.2, record=False)
-    assert [reply["status"] for reply in watch.told("reply")] == ["refused", "ok"]
+    watch = Hand([(1.0, protocol.POINT, point), (1.2, *drive("stop")), (2.0, protocol.POINT, point)])
+    run("Z", 620, watch=watch, limit_s=2.6, record=False)
+    assert [reply["status"] for reply in watch.told("reply")] == ["refused", "ok", "ok"]
     assert "must stand" in watch.told("reply")[0]["text"]
 
 

@@ -38,4 +38,4 @@ class Wire(Fault):
         simulation.electronics.stop_wired = False
 
     def go_on(self, simulation):
-        simulation.electronics.stop_pressed = simulation.now > self.began + 1e6
+        simulation.electronics.stop_pressed = self.began is not None and simulation.now > self.began + 1e6
