@@ -93,7 +93,7 @@ _TARGET = const(28)  # speed, 1/20 r/s
 _RXBUF = const(29)
 _BYTE_NS = const(30)  # ten bits on the wire
 _FRAME_US20 = const(31)  # duration of a frame at 1/20 r/s
-_STATES = const(32)
+_TOLD = const(32)  # what the motor was told last, the duty and 1; 0 for nothing
 
 _COUNTER = const(0x3FFFFFFF)  # counters start again above: in an hour or two of garbage, or four months of frames
 
@@ -269,8 +269,15 @@ class Lidar:
         while True:
             if state[_FRESH]:
                 command = _take(store, state)
-                if state[_PASSED] and command and not state[_RULE]:
-                    self._learn_rule()
+                passed = state[_PASSED]
+                if passed and command and not state[_RULE]:
+                    # A frame of version 0 passed one of the rules: the one that passes several times in a row holds from then on.
+                    if passed != state[_RULE_CANDIDATE]:
+                        state[_RULE_CANDIDATE] = passed
+                        state[_RULE_PASSED] = 0
+                    state[_RULE_PASSED] += 1
+                    if state[_RULE_PASSED] >= _RULE_PASSES:
+                        state[_RULE] = passed
                 if command == _MEASUREMENT:
                     if self._measurement(state, store):
                         return True
@@ -287,7 +294,15 @@ class Lidar:
                 break
             state[_READ_US] = now_us
             if _append(store, state, chunk, count):
-                self._crowded()
+                # The chunk was full: see what is left, and whether so much came at once that some was lost.
+                pending = self._uart.any()
+                burst = state[_BURST] + _CHUNK
+                if burst + pending >= state[_RXBUF] + state[_COUNTED]:
+                    self.overflows += 1
+                    burst = 0
+                    state[_COUNTED] = pending
+                state[_PENDING] = pending
+                state[_BURST] = burst
         state[_BURST] = 0
         state[_COUNTED] = 0
         if state[_GOOD] and ticks_diff(now_us, self.frame_us) > state[_SILENT_US]:
@@ -300,31 +315,8 @@ class Lidar:
     def stop(self):
         """Let the lidar's motor run out."""
         if self._motor is not None:
-            self._duty = -1
+            self._state[_TOLD] = 0
             self._motor.duty_u16(0)
-
-    def _learn_rule(self):
-        """A frame of version 0 passed one of the rules: the one that passes several times in a row holds from then on."""
-        state = self._state
-        passed = state[_PASSED]
-        if passed != state[_RULE_CANDIDATE]:
-            state[_RULE_CANDIDATE] = passed
-            state[_RULE_PASSED] = 0
-        state[_RULE_PASSED] += 1
-        if state[_RULE_PASSED] >= _RULE_PASSES:
-            state[_RULE] = passed
-
-    def _crowded(self):
-        """A chunk was full: see what is left, and whether so much came at once that some was lost."""
-        state = self._state
-        pending = self._uart.any()
-        burst = state[_BURST] + _CHUNK
-        if burst + pending >= state[_RXBUF] + state[_COUNTED]:
-            self.overflows += 1
-            burst = 0
-            state[_COUNTED] = pending
-        state[_PENDING] = pending
-        state[_BURST] = burst
 
     def _measurement(self, state, store):
         """The measurement frame taken last: its time and its points. False if its length holds no whole number of points.
@@ -396,6 +388,6 @@ class Lidar:
             duty = min(max(duty, 0), _MOTOR_FULL)
         else:
             self._motor_sum = 0
-        if duty != self._duty:
-            self._duty = duty
+        if state[_TOLD] != duty + 1:
+            state[_TOLD] = duty + 1
             self._motor.duty_u16(duty)

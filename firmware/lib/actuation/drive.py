@@ -11,6 +11,7 @@ What the wheels do now is what the servos were told `servos.latency` ago, and wh
 to be matched by these three numbers.
 """
 
+from array import array
 from time import ticks_add, ticks_diff
 
 import micropython
@@ -103,11 +104,12 @@ class Drive:
     def command(self, af, ar, v):
         """Steer AF, AR (0.1 deg) and drive at V (0 .. 180, 90 stops). False, and the robot stops as it is steered, if a wheel cannot turn so far."""
         goal = self._goal
+        config = self._config
         if af != goal.af or ar != goal.ar:
             before_af, before_ar = goal.af, goal.ar
             possible = goal.solve(af, ar)
             for k in range(self._wheels):
-                if not self._low[k] <= goal.angles[k] <= self._high[k]:
+                if not config.servos_low[k] <= goal.angles[k] <= config.servos_high[k]:
                     possible = False
             if not possible:
                 goal.solve(before_af, before_ar)
@@ -118,10 +120,9 @@ class Drive:
         elif v < 0:
             v = 0
         self._goal_v256 = (v - 90) * 256
-        if self._pointing:
-            if v != 90 or goal.af != self.aim.af or goal.ar != self.aim.ar:
-                self._pointing = False
-                self._doubt()
+        if self._pointed is not None and (v != 90 or goal.af != self.aim.af or goal.ar != self.aim.ar):
+            self._pointed = None
+            self._doubt()
         return True
 
     def point(self, wheel, angle):
@@ -131,10 +132,8 @@ class Drive:
         """
         if self._goal_v256 or self.told_v256 or self.turning or not 0 <= wheel < self._wheels or not -900 <= angle <= 900:
             return False
-        if not self._pointing:
-            self._pointing = True
-            for k in range(self._wheels):
-                self._pointed[k] = self.aim.angles[k]
+        if self._pointed is None:
+            self._pointed = array("h", self.aim.angles)
         self._pointed[wheel] = angle
         return True
 
@@ -177,7 +176,7 @@ class Drive:
         v256 = self._accelerate()
         aim = self.aim
         outputs = self._outputs
-        outputs.write(self._pointed if self._pointing else aim.angles, aim.shares, v256)
+        outputs.write(self._pointed or aim.angles, aim.shares, v256)
         if self._restarts != outputs.restarts:
             self._restarts = outputs.restarts
             self._doubt()
@@ -191,10 +190,8 @@ class Drive:
         self._outputs.derive()
         period = self._period_us
         self._step = max(config.servos_rate * period // 100000, 1)  # 0.1 deg
-        self._swing = config.servos_swing * 10
         latency = config.servos_latency * 1000
         self._latency = latency // period
-        self._back = 2 * self._latency
         self._latency256 = latency % period * 256 // period
         self._gain256 = min(512 * period // (2000 * config.motors_time_constant + period), 256)
         self._ramp = max(config.drive_acceleration * 23040 // config.motors_full_speed * period // 1000000, 1)
@@ -209,7 +206,7 @@ class Drive:
             return
         if goal.folded == aim.folded:
             largest = _largest_change(goal.angles, aim.angles, self._wheels)
-            if largest <= self._swing and self._approach(goal, aim, largest):
+            if largest <= self._config.servos_swing * 10 and self._approach(goal, aim, largest):
                 self.turning = False
                 return
         self.turning = True
@@ -257,7 +254,7 @@ class Drive:
 
     def _swing_on(self):
         goal, aim = self._goal, self.aim
-        if goal.folded != aim.folded or _largest_change(goal.angles, aim.angles, self._wheels) > self._swing:
+        if goal.folded != aim.folded or _largest_change(goal.angles, aim.angles, self._wheels) > self._config.servos_swing * 10:
             self._begin_swing()
         if self._delay:
             self._delay -= 1
@@ -319,7 +316,7 @@ class Drive:
         self._speed = speed
         self.v256 = (before + speed + 256) >> 9  # the mean of the period that begins now
 
-        now = (now - self._back) & (2 * _HISTORY - 1)
+        now = (now - 2 * self._latency) & (2 * _HISTORY - 1)
         af, ar = past[now], past[now + 1]
         f = self._latency256
         if f:

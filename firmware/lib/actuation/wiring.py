@@ -82,8 +82,6 @@ def drive(self, steerings, outputs, config):
     self._wheels = wheels = 2 * config.axles
     self._config = config
     self._outputs = outputs
-    self._low = config.servos_low
-    self._high = config.servos_high
     self._period_us = 1000000 // config.servos_frequency
     self._due = -1
     self.af = self.ar = self.v256 = self.told_v256 = self._goal_v256 = self._restarts = 0
@@ -91,8 +89,7 @@ def drive(self, steerings, outputs, config):
     self._swinging = False  # the wheels were told to swing; turning without it: the robot still rolls
     self._delay = 0  # periods until the swing shows
     self._positions = array("h", bytes(2 * wheels))  # where the wheels are taken to stand
-    self._pointed = array("h", bytes(2 * wheels))  # angles while one wheel is pointed on its own
-    self._pointing = False
+    self._pointed = None  # angles while one wheel is pointed on its own
     self._past = array("h", bytes(4 * _HISTORY))  # AF, AR of each period
     self._now = 0  # place of the period that has begun
     self._speed = 0  # v256 in 1/256 at its end

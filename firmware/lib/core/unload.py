@@ -13,12 +13,11 @@ def forget(*names):
         for name in names:
             sys.modules.pop(name, None)
             package, _, module = name.rpartition(".")
-            if package and hasattr(sys.modules.get(package), module):
-                delattr(sys.modules[package], module)
+            if package in sys.modules:
+                sys.modules[package].__dict__.pop(module, None)
 
 
 def unload(*names):
     """Drop modules and collect, which takes some milliseconds."""
     forget(*names)
-    if sys.implementation.name == "micropython":
-        gc.collect()
+    gc.collect()

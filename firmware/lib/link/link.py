@@ -33,7 +33,8 @@ _POINTS = const(2)
 _HEALTH = const(3)
 _CANDIDATES = const(4)
 _ANSWER = const(5)
-_KINDS = const(6)
+_POSE = const(6)
+_SEALED = const(-1)
 _HELLO_US = const(1_000_000)
 _WHEELS_US = const(50_000)
 _POINTS_US = const(150_000)
@@ -101,8 +102,8 @@ class Link(Commands):
             self._button(now_us, robot.health.fault == STOP_BUTTON)
         self._remark(robot)
         if idle:
-            if self._sealed:
-                self._sealed = False
+            if self._unsealed == _SEALED:
+                self._unsealed = 0
                 self._send()
             elif not self._unsealed:
                 try:
@@ -113,8 +114,7 @@ class Link(Commands):
                     self.log(1, "no memory for this now: try again")
             elif not hears:
                 self._encoder.seal(self._unsealed)
-                self._unsealed = 0
-                self._sealed = True
+                self._unsealed = _SEALED
         if self._rare is not None and ticks_diff(now_us, self._rare_us) > _QUIET_US and self.listing < 0:
             self._rare = None
             forget("link.requests", "params.settings")
@@ -241,10 +241,9 @@ class Link(Commands):
             return messages.decision(data, avoid, self.state, now_us, robot.took_us)
         if self._is_due(_WHEELS, now_us, _WHEELS_US):
             self._told_us[_WHEELS] = now_us
-            self._pose_next = True
             return messages.wheels(data, robot.drive, now_us)
-        if self._pose_next:
-            self._pose_next = False
+        if self._told_us[_POSE] != self._told_us[_WHEELS]:
+            self._told_us[_POSE] = self._told_us[_WHEELS]
             return messages.pose(data, robot.odometry, now_us)
         if robot.health is not None and self._is_due(_HEALTH, now_us, _HEALTH_US):
             self._told_us[_HEALTH] = now_us

@@ -12,7 +12,7 @@ from link.serial_line import SerialLine
 from link.telemetry import AUTO, Decoder, Encoder
 
 _COMMAND = const(200)  # longest payload of a command
-_KINDS = const(6)  # of what link.py tells again and again
+_KINDS = const(7)  # of what link.py tells again and again
 _SESSION = const(8)  # auth.SESSION; that module is loaded only where there is a key
 
 
@@ -84,9 +84,7 @@ def set_up_link(self, config, identity, encoder, carriers, session, signer):
     self.dropped = 0
     self._told_us = [None] * _KINDS  # when each was told last
     self._decisions = self._points_of = -1
-    self._pose_next = False
-    self._unsealed = 0  # payload's length of the long message that has been put together
-    self._sealed = False  # True when it has its check and has yet to be sent
+    self._unsealed = 0  # payload's length of the long message that has been put together; _SEALED when it has its check and has yet to be sent
     self._names_due = False
     self._asker = None  # the carrier over which somebody asked without knowing the session
     self._logs = []

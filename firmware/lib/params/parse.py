@@ -11,7 +11,7 @@ from params import schema
 from params.values import ConfigError, attribute, disorder, key_of, number, refuse
 
 # What the loop asks for besides the live parameters
-STAY = ("servos_trims", "motors_full_speed", "battery_divider1000")
+STAY = ("servos_trims", "servos_low", "servos_high", "motors_full_speed", "battery_divider1000")
 
 
 def load(path="robot.json"):

@@ -22,7 +22,6 @@ def lidar(self, uart, motor_pwm, config):
     self._motor = motor_pwm
     self.n = self.frame_us = self.speed20 = self.frames = self.speed_faults = self.overflows = self._motor_sum = 0
     self.ok = False
-    self._duty = -1
     self.bearings = array("H", bytes(2 * _MAX_POINTS))
     self.distances = array("H", bytes(2 * _MAX_POINTS))
     self.signals = bytearray(_MAX_POINTS)
@@ -35,7 +34,7 @@ def lidar(self, uart, motor_pwm, config):
         [0] * 23
         + [
             frames, 36000 // frames, _TURN // frames, (config.lidar_offset % 3600) << 17, 1 if config.lidar_mirrored else 0,
-            config.lidar_speed20, config.lidar_rxbuf, 10_000_000_000 // config.lidar_baud, 20_000_000 // frames,
+            config.lidar_speed20, config.lidar_rxbuf, 10_000_000_000 // config.lidar_baud, 20_000_000 // frames, 0,
         ],
     )  # fmt: skip
 

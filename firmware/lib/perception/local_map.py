@@ -406,7 +406,18 @@ class LocalMap:
         if n < 2:
             return
         state = self._state
-        self._pass_time(lidar)
+        # The clock of the memory goes on, for as long as frames come.
+        passed = ticks_diff(lidar.frame_us, self._frame_us)
+        self._frame_us = lidar.frame_us
+        if not 0 <= passed <= _LONGEST_US:
+            passed = _LONGEST_US
+        state[_TIME] = time = (state[_TIME] + passed) & 0x3FFFFF
+        state[_NOW] = time >> 14
+        if lidar.period_us != self._period_us:
+            self._period_us = lidar.period_us
+            revolution = self._frames * lidar.period_us
+            state[_REVOLUTION] = revolution * 3 >> 15
+            state[_DOZEN] = min(revolution * 12 >> 14, _OLDEST - 1)
         state[_TRAVEL] = (odometry.travel256 >> (8 + state[_UNIT])) & 0xFF
         # The times since the last point and from the first to it, in 16 us.
         late = ticks_diff(odometry.now_us, lidar.frame_us)
@@ -440,21 +451,6 @@ class LocalMap:
             ((((x1 - x) & 0xFFFF ^ _HALF) - _HALF) << 13) // n, ((((y1 - y) & 0xFFFF ^ _HALF) - _HALF) << 13) // n, (turned << 13) // n,
         )  # fmt: skip
         self._clear(lidar, n, (first + turned) // 10)
-
-    def _pass_time(self, lidar):
-        """The clock of the memory goes on, for as long as frames come."""
-        state = self._state
-        passed = ticks_diff(lidar.frame_us, self._frame_us)
-        self._frame_us = lidar.frame_us
-        if not 0 <= passed <= _LONGEST_US:
-            passed = _LONGEST_US
-        state[_TIME] = time = (state[_TIME] + passed) & 0x3FFFFF
-        state[_NOW] = time >> 14
-        if lidar.period_us != self._period_us:
-            self._period_us = lidar.period_us
-            revolution = self._frames * lidar.period_us
-            state[_REVOLUTION] = revolution * 3 >> 15
-            state[_DOZEN] = min(revolution * 12 >> 14, _OLDEST - 1)
 
     def _clear(self, lidar, n, heading):
         """Drop what the frame sees past, and what is too old or too far. heading: at the last point, 0.1 deg."""
