@@ -17,7 +17,7 @@ from . import trace
 
 ROUNDS = 100
 TURNS_A_ROUND = 400
-_PORTION = 16  # bytes the firmware reads from the line in one turn of its loop
+_PORTION = 8  # bytes the firmware reads from the line in one turn of its loop
 _STEP = 256
 _HEAP = 256 * 1024
 _MOST = 32 * 1024

@@ -2,8 +2,6 @@
 
 import machine
 
-from pca9685 import PCA9685
-
 _CLOCK = 240_000_000  # Hz; the board wakes up at 160 MHz, and all computing times hold for this
 
 
@@ -44,6 +42,8 @@ def uarts(once):
 
 def chips(once, enable):
     """(PCA9685 of the servos, of the left and of the right motors, output enable pin or None). The bus is not touched."""
+    from pca9685 import PCA9685  # it holds machine code, and the radio wants its memory before that
+
     pin = machine.Pin
     if enable is None and once["pins_output_enable"] is not None:
         enable = pin(once["pins_output_enable"], pin.OUT, value=1)
