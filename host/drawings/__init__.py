@@ -9,18 +9,20 @@ from host.twin import image
 
 PAGE = image.ROOT / "docs" / "planner.md"
 FOLDER = image.ROOT / "docs" / "planner"
-NAMES = ("steering", "modes", "windows", "points", "masks", "costs", "candidates", "swept", "two-moves")
+NAMES = ("steering", "modes", "windows", "points", "masks", "costs", "candidates", "swept", "two-moves", "best-first")
 
 
 def draw(folder=FOLDER):
     """Make every drawing in a folder; their paths, in the order of NAMES. moments.DrawingError, image.ToolMissing."""
-    from . import conventions, grid, moments, robot, round_body  # matplotlib takes its time
+    from . import bounds, conventions, grid, moments, robot, round_body  # matplotlib takes its time
 
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     paths = {name: folder / f"{name}.svg" for name in NAMES}
     one = robot.robot()
-    runs = moments.runs()
+    found = moments.runs()
+    runs = [[one for one in run if isinstance(one, moments.Moment)] for run in found]
+    singles = [one for run in found for one in run if isinstance(one, moments.BestFirst)]
     first, bend = one.in_a_bend(runs)
     close = max((moment for run in runs for moment in run), key=lambda moment: moment.near)
     for name in ("steering", "modes", "windows"):
@@ -31,4 +33,5 @@ def draw(folder=FOLDER):
     round_body.candidates(one, first, paths["candidates"])  # before the bend: more of them are free for a while
     round_body.swept(one, bend, paths["swept"])
     round_body.two_moves(one, bend, paths["two-moves"])
+    bounds.best_first(singles, paths["best-first"])
     return list(paths.values())

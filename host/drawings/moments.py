@@ -19,6 +19,8 @@ COURSES = tuple({"course": "Z", "width": width, "seed": seed, "limit_s": 12, "ch
 N, TURNS = 28, 12  # places to a side of the grid, orientations
 _ROWS = N * TURNS
 _BIAS = 8192
+_LENGTHS = 5  # moves of a candidate
+_NOTHING = 65535
 _HEAP = "64m"
 _LIMIT_S = 120
 
@@ -64,8 +66,20 @@ class Moment:
     grid: Grid
 
 
+@dataclass
+class BestFirst:
+    """A decision for a single move. bounds, costs: (2 * candidates,) mm, the least of each candidate's moves, to the right, then to the left: lower bounds without any points, and
+    what they cost with them, inf where no move is left. checked: (2 * candidates,) bool, the candidates that had to be checked; the costs of the others are their bounds.
+    """
+
+    time_s: float
+    bounds: np.ndarray
+    costs: np.ndarray
+    checked: np.ndarray
+
+
 def runs(courses=COURSES, firmware=image.FIRMWARE):
-    """[[Moment]] of a run of the firmware on each course, in the order of time. DrawingError, image.ToolMissing."""
+    """[[Moment or BestFirst]] of a run of the firmware on each course, in the order of time. DrawingError, image.ToolMissing."""
     board, compiled = image.compiled(Path(firmware))
     tapes = [tape for tape in scans.tapes(courses, firmware) if not tape.surprise]
     return [_moments(tape, board, compiled, image.tables(tape.robot, firmware)) for tape in tapes]
@@ -83,7 +97,17 @@ def _moments(tape, board, compiled, tables):
         if done.returncode or not log.exists():
             said = (done.stdout + done.stderr).decode(errors="replace").strip()
             raise DrawingError(f"the firmware did not get through {tape.name}:\n{said[-2000:]}")
-        return [_moment(json.loads(line)) for line in log.read_text().splitlines()]
+        return [_read(json.loads(line)) for line in log.read_text().splitlines()]
+
+
+def _read(line):
+    return _best_first(line) if "bounds" in line else _moment(line)
+
+
+def _best_first(line):
+    bounds, costs = (np.array(line[name], float).reshape(-1, _LENGTHS) for name in ("bounds", "scores"))
+    least = [np.where(moves == _NOTHING, np.inf, moves).min(axis=1) for moves in (bounds, costs)]
+    return BestFirst(line["time_us"] / 1e6, least[0], least[1], np.array(line["free"]).ravel() != _NOTHING)
 
 
 def _moment(line):

@@ -20,7 +20,7 @@ RED, BLUE, YELLOW, GREEN = "#d1495b", "#1f6f8b", "#e09f3e", "#4f9d69"
 GREY, PALE = "#666666", "#c9c5ba"
 WINDOWS = {0: PALE, 1: GREEN, 2: RED, 3: BLUE, 4: YELLOW}
 
-_RULES: dict[Any, Any] = {"svg.hashsalt": "gapseeker", "svg.fonttype": "path", "font.size": 8.5, "axes.titlesize": 9.5, "axes.titlelocation": "left"}
+RULES: dict[Any, Any] = {"svg.hashsalt": "gapseeker", "svg.fonttype": "path", "font.size": 8.5, "axes.titlesize": 9.5, "axes.titlelocation": "left"}
 
 
 _PLACES = re.compile(r'\b(?:x|y|d|points)="[^"]*"')
@@ -29,7 +29,7 @@ _LONG = re.compile(r"-?\d+\.\d{3,}")
 
 def page(width, height, columns=1, rows=1, **more):
     """(figure, [axes]): inches; each axes in mm with equal scales and no frame."""
-    pyplot.rcParams.update(_RULES)
+    pyplot.rcParams.update(RULES)
     figure, grid = pyplot.subplots(rows, columns, figsize=(width, height), layout="constrained", squeeze=False, **more)
     for axes in grid.flat:
         axes.set(aspect="equal", facecolor=FLOOR, xticks=(), yticks=())

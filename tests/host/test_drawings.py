@@ -1,5 +1,6 @@
 """docs/planner.md: its drawings are made by the command it names, and its stage diagram is the code's."""
 
+import math
 import re
 from pathlib import Path
 from xml.etree import ElementTree
@@ -69,7 +70,7 @@ def test_what_is_drawn_is_what_the_firmware_found(made):
     from host.drawings import moments, robot
 
     one = robot.robot()
-    taken = [(moment, *moment.taken) for run in moments.runs() for moment in run]
+    taken = [(moment, *moment.taken) for run in moments.runs() for moment in run if isinstance(moment, moments.Moment)]
     assert taken
     for moment, mirroring, candidate, free in taken:
         assert one.free(moment, mirroring, candidate)[0] == free
@@ -89,6 +90,18 @@ def test_links_into_the_page_meet_a_heading():
 def test_a_page_that_speaks_of_af_and_ar_links_to_what_they_are(page):
     text = (drawings.PAGE.parent / f"{page}.md").read_text()
     assert "AF" in text and "](planner.md#the-words)" in text
+
+
+def test_a_cost_is_never_less_than_its_lower_bound_and_the_best_was_checked(made):
+    """What the page says of candidates that are checked best first, looked at in real decisions."""
+    from host.drawings import moments
+
+    decisions = [one for run in moments.runs() for one in run if isinstance(one, moments.BestFirst)]
+    assert len(decisions) > 10
+    for one in decisions:
+        assert (one.costs >= one.bounds).all()
+        assert one.checked[one.costs.argmin()]
+        assert one.costs[one.checked].min() <= one.bounds[~one.checked].min(initial=math.inf)
 
 
 def test_stages_are_read_from_the_table():

@@ -2,7 +2,7 @@
 
     watch.py TAPE LOG BENCH_BOARD TWIN_BOARD FIRMWARE
 
-LOG: a line of JSON for each such decision; buffers in hexadecimal. Nothing in the firmware is changed: its stages are called through a
+LOG: a line of JSON for each such decision, and a shorter one for each in which candidates were checked best first; buffers in hexadecimal. Nothing in the firmware is changed: its stages are called through a
 function that looks on.
 """
 
@@ -72,6 +72,20 @@ def _pair(decision):
     _log.write(json.dumps(line) + "\n")
 
 
+def _checked(decision):
+    """The best single move is about to be taken, or not; candidates have been checked best first."""
+    bounds = _kept.pop("bounds", {})
+    count = decision.candidates.count
+    if len(bounds) == 2:
+        line = {
+            "time_us": lockstep.now,
+            "bounds": [bounds[side] for side in (0, 1)],
+            "scores": [_words(decision.scores[side], 5 * count) for side in (0, 1)],
+            "free": [_words(decision.ways.free_of[side], count) for side in (0, 1)],
+        }
+        _log.write(json.dumps(line) + "\n")
+
+
 def _watch(decision):
     ways = decision.ways
     look = type(ways).look
@@ -81,14 +95,18 @@ def _watch(decision):
         look(ways, x, y, heading)
 
     ways.look = looked
-    settle = decision.STAGES[-1]
+    bound, choose, settle = decision.STAGES[2], decision.STAGES[4], decision.STAGES[-1]
 
     def looking_on(stage):
         def call(decision, odometry):
-            renewing = decision.renewing
+            renewing, side = decision.renewing, decision.side
+            if stage is choose:
+                _checked(decision)
             comes_next = stage(decision, odometry)
             if renewing and not decision.renewing:
                 _grid(decision)
+            elif stage is bound:
+                _kept.setdefault("bounds", {})[side] = _words(decision.scores[side], 5 * decision.candidates.count)
             elif stage is settle:
                 _pair(decision)
             return comes_next
