@@ -27,11 +27,10 @@ def fill(draft):
 
 def _fill_ends(draft, k):
     for i in range(_LENGTHS):
-        x, y, turn = end(draft, k, draft.lengths[i])
+        x, y, _ = end(draft, k, draft.lengths[i])
         t = (k * _LENGTHS + i) * 2
         draft.ends[t] = round(x) + _BIAS
         draft.ends[t + 1] = round(y) + _BIAS
-        draft.turns[t >> 1] = round(turn * 1800 / pi)
 
 
 def _hypot(x, y):
@@ -73,3 +72,4 @@ def _fill_arc(draft, k):
     c[b + _TURN_MM] = turn_mm & 0xFFFF
     c[b + _TURN_MM + 1] = turn_mm >> 16
     c[b + _REF] = int(ref)
+    draft.turns[k] = min(round(16384 * 1800 / (pi * ref)), 65535)

@@ -8,7 +8,7 @@ from math import atan2, pi, sqrt
 from micropython import const
 
 _BIAS = const(8192)
-_BINS = const(24)
+_BINS = const(16)
 
 # Fields of an arc's constants: see candidate_arcs.py
 _STRIDE = const(8)
@@ -63,7 +63,10 @@ def _fill_arc(draft, k, used):
 
 
 def _lay(draft, k, entries):
-    """An arc's bins in the table: 24 entries at the inner end, 16-bit words, then 24 bytes: by how much the entry at the outer end is larger, in units of 2**shift, signed. Returns the shift."""
+    """An arc's bins in the table: the entries at their inner ends, 16-bit words, then a byte for each: by how much the entry at the outer end is larger.
+
+    Returns the shift: the bytes are in units of 2**shift, signed.
+    """
     shift = 0
     for low, high in entries:
         while not -128 <= (high - low) >> shift < 128:

@@ -5,7 +5,7 @@ from math import pi, tan
 
 from micropython import const
 
-_BINS = const(24)
+_BINS = const(16)
 _LENGTHS = const(5)
 _STRIDE = const(8)
 _SECONDS = const(8)  # for each arc: enough for the usual body with any margin; for others it grows
@@ -38,7 +38,7 @@ class Draft:
         self.seconds = array("H", bytes(2 * _SECONDS * self.arcs))
         self.strips = array("i", bytes(4 * _STRIP_STRIDE * len(strips)))
         self.ends = array("H", bytes(2 * self.count * _LENGTHS * 2))
-        self.turns = array("h", bytes(2 * self.count * _LENGTHS))
+        self.turns = array("H", bytes(2 * self.count))
         self.used = 0  # of seconds
 
     def arrays(self):

@@ -10,7 +10,7 @@ _STRIDE = const(8)
 
 
 def fill(draft):
-    """strips (what collision.py reads of each), ends and turns of the straight and crab candidates of a candidate_set.Draft."""
+    """strips (what collision.py reads of each) and ends of the straight and crab candidates of a candidate_set.Draft."""
     for k in range(draft.count - draft.arcs):
         _fill_strip(draft, k)
         for i in range(_LENGTHS):
@@ -18,7 +18,6 @@ def fill(draft):
             t = ((draft.arcs + k) * _LENGTHS + i) * 2
             draft.ends[t] = round(x) + _BIAS
             draft.ends[t + 1] = round(y) + _BIAS
-            draft.turns[t >> 1] = 0
 
 
 def _fill_strip(draft, k):

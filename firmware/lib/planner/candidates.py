@@ -31,8 +31,8 @@ class Candidates:
     ahead_end, astern_first    arcs 0..ahead_end-1 are for driving ahead, astern_first..arcs-1 for driving backward; all of them for both,
                                unless the last axle stays straight
     af, ar                     array 'h', 0.1 deg
-    ends, turns                for each candidate and each of LENGTHS travels (`lengths`, mm) where the body's centre comes to lie,
-                               x, y, mm + 8192, and how far it has turned clockwise, 0.1 deg
+    ends                       for each candidate and each of LENGTHS travels (`lengths`, mm) where the body's centre comes to lie, x, y, mm + 8192
+    turns                      how far each candidate turns, clockwise, 0.1 deg / 2**14 per mm
     consts, table, seconds     of the arcs: see candidate_arcs.py, candidate_rings.py; strips of the others: see candidate_strips.py
     half_width, half_length, look_ahead, margin, soft    mm
     end_x, end_y, end_turn     what travel() found

@@ -48,7 +48,7 @@ _FRONT = const(5)
 _SECOND = const(6)
 _SECOND_BINS = const(7)
 
-_BINS = const(24)
+_BINS = const(16)
 _FARTHEST = const(60000)  # turn, of 65536
 _NONE = const(65535)
 
@@ -80,10 +80,9 @@ def drop_behind(px: ptr16, py: ptr16, near: int, n: int, limit: int, left: int) 
 @micropython.viper
 def mirror(p: ptr16, n: int):
     """Change the sign of biased coordinates, in place."""
-    i = 0
-    while i < n:
-        p[i] = 16384 - p[i]
-        i += 1
+    while n > 0:
+        n -= 1
+        p[n] = 16384 - p[n]
 
 
 @micropython.viper

@@ -186,7 +186,16 @@ class CostToGo:
         stage = self._stage
         job = self._job
         if stage == 0:
-            self._begin(odometry)
+            # Lay the grid round the robot; the one before says to which side the half turn of orientations leans.
+            x = odometry.x >> 5
+            y = odometry.y >> 5
+            cell = self.cell
+            if self.builds:
+                i = ((x - job[0] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
+                j = ((y - job[1] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
+                self._lean = heading_branch.choose(self.cost, i, j, odometry.heading // 100)
+            job[0] = x - cell * (_N // 2) & 0xFFFF
+            job[1] = y - cell * (_N // 2) & 0xFFFF
             # Nothing closed, near or marked, nothing reached; a revisit cost of 2 halves everywhere.
             fill(self.cost, _STATES >> 1, 0xFFFF)
             fill(self.scratch, 3 * 2 * _ROWS, 0)
@@ -219,19 +228,6 @@ class CostToGo:
             return self.ready
         self._stage = stage + 1
         return False
-
-    def _begin(self, odometry):
-        """Lay the grid round the robot; the one before says to which side the half turn of orientations leans."""
-        x = odometry.x >> 5
-        y = odometry.y >> 5
-        cell = self.cell
-        job = self._job
-        if self.builds:
-            i = ((x - job[0] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
-            j = ((y - job[1] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
-            self._lean = heading_branch.choose(self.cost, i, j, odometry.heading // 100)
-        job[0] = x - cell * (_N // 2) & 0xFFFF
-        job[1] = y - cell * (_N // 2) & 0xFFFF
 
     def at(self, x, y, heading):
         """Cost of a pose on the floor (1/8 mm mod 2**16, 0.1 deg), mm, relative to others of this grid."""

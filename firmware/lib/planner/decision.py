@@ -212,7 +212,11 @@ class Decision:
             plan.why = _CENTRE
             if not most:
                 plan.stand(_BOXED)
-        self._count_reversals(odometry)
+        # How often has it backed up since it last got anywhere: a third of its length on, or 15 degrees round?
+        if away(self.anchor, odometry, self.candidates.half_length * 2 // 3, 15000):
+            mark(self.anchor, odometry)
+            self.reversals = 0
+        self.reversals += plan.mirroring >> 1
         # Anew for this one: checking others has moved the points about.
         plan.look()
         if not plan.limit:
@@ -333,10 +337,3 @@ class Decision:
         self.plan.begin(1, min(most - lengths[0], lengths[3]), odometry, _AGAIN)
         self.reversals = 0
         return True
-
-    def _count_reversals(self, odometry):
-        """How often the robot has backed up since it last got anywhere: a third of its length on, or 15 degrees round."""
-        if away(self.anchor, odometry, self.candidates.half_length * 2 // 3, 15000):
-            mark(self.anchor, odometry)
-            self.reversals = 0
-        self.reversals += self.plan.mirroring >> 1

@@ -27,10 +27,6 @@ class FreeWays:
         self.near = windows.near
         self.ordered = True
 
-    def sort_near(self, x, y, n):
-        """Bring those of other points that lie at the outline to the front; returns how many."""
-        return self.windows.sort_near(x, y, n)
-
     def free(self, mirroring, candidate):
         """mm that one candidate is free."""
         self.check(mirroring, candidate, candidate + 1, 0)

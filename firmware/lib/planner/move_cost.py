@@ -85,7 +85,7 @@ def _score(cost, ends: ptr16, turns: ptr16, af: ptr16, ar: ptr16, lengths: ptr16
         while n < 5 and lengths[n] <= f:
             x = ends[2 * at] - 8192
             y = ends[2 * at + 1] - 8192
-            turn = (turns[at] ^ 0x8000) - 0x8000
+            turn = lengths[n] * turns[k] + 8192 >> 14
             if mirroring & 1:
                 x = 0 - x
                 turn = 0 - turn
@@ -152,30 +152,25 @@ def best(score: ptr16, first: int, last: int, stride: int) -> int:
 
 
 @micropython.viper
-def suppress(score: ptr16, ends: ptr16, turns: ptr16, count: int, at: int, radius: int, reach: int):
-    """Take out the travels that end within radius of where travel `at` ends; a turn counts as the way of the body's ends."""
+def suppress(score: ptr16, ends: ptr16, turns: ptr16, lengths: ptr16, last: int, at: int, radius: int, reach: int):
+    """Take out the travels that end within radius of where travel `at` ends, of the first `last`; a turn counts as the way of the body's ends."""
     x0 = ends[at * 2]
     y0 = ends[at * 2 + 1]
-    a0 = turns[at] ^ 0x8000
-    i = 0
-    at = 0
-    last = count * 5
-    while i < last:
-        d = ends[at] - x0
+    turn = turns[at // 5] * lengths[at % 5]
+    while last > 0:
+        last -= 1
+        d = ends[last * 2] - x0
         if d < 0:
             d = 0 - d
-        at += 1
-        e = ends[at] - y0
+        e = ends[last * 2 + 1] - y0
         if e < 0:
             e = 0 - e
-        at += 1
         d += e
-        e = (turns[i] ^ 0x8000) - a0
+        e = turns[last // 5] * lengths[last % 5] - turn
         if e < 0:
             e = 0 - e
-        if d + (e * reach >> 9) < radius:
-            score[i] = 65535
-        i += 1
+        if d + ((e >> 14) * reach >> 9) < radius:
+            score[last] = 65535
 
 
 class MoveCost:

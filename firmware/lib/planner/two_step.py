@@ -59,7 +59,7 @@ class TwoStep:
         self.candidate[n] = number // LENGTHS
         self.length[n] = env.lengths[number % LENGTHS]
         self.costs[n] = least
-        suppress(self.scores[mirroring], env.ends, env.turns, env.count, number, env.look_ahead // 12, env.half_length)
+        suppress(self.scores[mirroring], env.ends, env.turns, env.lengths, env.count * LENGTHS, number, env.look_ahead // 12, env.half_length)
         self.count = self._coarse = n + 1
         return self.count == _COARSE
 
@@ -102,7 +102,7 @@ class TwoStep:
             env.travel(self.mirroring[at], self.candidate[at], self.length[at])
             turn = env.end_turn
             self.n = move(ways.x, ways.y, ways.n, env.end_x, env.end_y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, x, y, 2)
-            self.near = ways.sort_near(x, y, self.n)
+            self.near = ways.windows.sort_near(x, y, self.n)
             cost = self.move_cost.stand_at(env.end_x, env.end_y, turn)
             if not fine:
                 self.costs[at] -= cost  # that of the second move's end takes its place
