@@ -214,10 +214,13 @@ def lidar_bytes(frames: int = 320) -> bytes:
 
 
 def datagrams() -> bytes:
-    """Greetings with a right tag, as a laptop sends them over WiFi: each with its length before it (2 bytes)."""
+    """Greetings with a right tag, as a laptop sends them over WiFi: each with its length before it (2 bytes).
+
+    Names are asked for by the third of eight, which comes when the live data have been taken: what is loaded for them comes and goes.
+    """
     out = []
     for counter in range(1, 65):
-        payload = messages.greet(counter, counter % 8 == 1)
+        payload = messages.greet(counter, counter % 8 == 3)
         head = struct.pack("<BBHH", protocol.VERSION, protocol.GREET, 0, len(payload) + auth.TAG)
         data = whole_frames.frame(protocol.GREET, payload + auth.Signer(_KEY).tag(_SESSION, head + payload))
         out.append(struct.pack("<H", len(data)) + data)

@@ -11,7 +11,7 @@ _COMMAND = const(200)  # longest payload of a command
 _DATAGRAM = const(256)
 _LISTENS_US = const(3_000_000)
 _JOIN_US = const(500_000)
-_FILLING = const(64)  # datagrams come in multiples of this size, so that the views of the encoder's buffer can be made beforehand
+_FILLING = const(128)  # datagrams come in multiples of this size, so that the views of the encoder's buffer can be made beforehand
 
 
 class Datagrams:

@@ -14,7 +14,7 @@ _LENGTH = const(6)
 _HEADER = const(8)
 _CHECK = const(2)
 _ORIGIN = const(8192)  # what the planner adds to coordinates
-_BUFFER = const(1408)  # the longest frame, 1400 bytes, rounded up for those who send in steps of 64
+_BUFFER = const(1408)  # the longest frame, 1400 bytes, rounded up for those who send in steps of 128
 
 # What the person asks of the robot, as DRIVE and DECISION number it
 STOPPED = const(0)
