@@ -343,10 +343,10 @@ while True:
 def part(tmp_path, board):
     """part(fault, ...) runs CALLS; the turns before and after the fault at 1 s: [(us it took, bytes free or 0, what came of it)]."""
 
-    def start(fault, **settings):
+    def start(fault, source=CALLS, **settings):
         (tmp_path / "lib" / "link").mkdir(parents=True)
         (tmp_path / "lib" / "link" / "link.py").write_text(PART)
-        result, log = board(fault, CALLS, **settings)
+        result, log = board(fault, source, **settings)
         turns = [line.split(" ", 4) for line in log.printed.decode().splitlines() if line.startswith("turn")]
         turns = [(int(turn[1]), (int(turn[2]), int(turn[3]), turn[4].strip())) for turn in turns]
         return [turn for time, turn in turns if time < 1e6], [turn for time, turn in turns if time > 1e6], result, log
@@ -439,6 +439,27 @@ def test_clock(board, name, start):
     ticks = log.rows()[:, 0]
     assert ticks[0] == pytest.approx(start - 1e6, abs=5e4)
     assert ticks[-1] == pytest.approx((start + 1e6) % (1 << 30), abs=5e4)
+
+
+@pytest.mark.parametrize("name", ["hang-link", "hang-hard"])
+def test_a_hang_is_over_with_the_reset(part, tmp_path, name):
+    guarded = CALLS.replace("link = Link()", "import machine\nprint('life', machine.reset_cause())\nlink = Link()\ndog = machine.WDT(timeout=500)")
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib" / "avoid.py").write_text(PART.replace("Link", "Avoid").replace("update(self, now_us, robot)", "step(self, odometry)"))
+    if name == "hang-hard":
+        guarded = guarded.replace("link.link", "avoid").replace("Link", "Avoid").replace("link.update(before, None)", "link.step(None)")
+    _, _, _, log = part(f"{name}@1", guarded.replace("    time.sleep_ms(20)", "    dog.feed()\n    time.sleep_ms(20)"), limit_s=3)
+    lines = log.printed.decode().splitlines()
+    assert [line for line in lines if line.startswith("life")] == ["life 1", "life 3"]
+    assert log.resets == [(pytest.approx(1.5e6, abs=5e4), 3)]
+    assert lines[-1].startswith("turn") and int(lines[-1].split()[1]) > 1e6  # of the second life
+
+
+def test_a_press_and_a_reset(board):
+    _, log = board("button-reset@1", limit_s=4)
+    assert log.resets == [(pytest.approx(3e6, abs=5e4), 2)]
+    rows = log.rows()
+    assert rows[rows[:, 3] == 0][:, 0] == pytest.approx(1.15e6, abs=0.17e6)
 
 
 def test_by_itself_it_waits_for_the_motors_and_four_seconds(board):

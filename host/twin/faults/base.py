@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 FIRST_S = 4.0  # without a time of its own a fault begins once so much has passed and the motors are on
 WATCHED_S = 20.0  # after its beginning; then the run is over
-REST_S = 1.0  # motors off for so long count as still: a pause to swing the wheels is shorter
 BEGUN = 63  # no pin of an ESP32: this level tells the board's module `fault` that the fault has begun
 NEVER = float("inf")
 
@@ -14,7 +13,7 @@ NEVER = float("inf")
 class Outcome:
     """What a run showed of its fault.
 
-    fault_at_s: when it began, None if the run was over before. still_ms: from then until the motors were off, and stayed off for a second or until
+    fault_at_s: when it began, None if the run was over before. still_ms: from then until the motors were off, and stayed off for Fault.rest_s or until
     the firmware's end; None: never. Off means off in the registers, or output enable high or floating. touched_after: contacts with a wall that
     began after it. driven_after_s: for how long motors were on after it.
     """
@@ -30,8 +29,9 @@ class Fault:
     """A part that fails. The base class is the run in which nothing does.
 
     changes: {"section.key": value} put over robot.json. files: {name: bytes} on the board beside it. clock_us: what the board's clock shows at the
-    start. left_behind: {name: bytes} on the board when the fault resets it. at_start: the fault is there from the beginning. levels: bits of input pins that the fault sets. wake: us; when it wants to be
-    asked next, if that is sooner than anything else happens. began: us, None before.
+    start. at_start: the fault is there from the beginning. left_behind: {name: bytes} on the board when the fault resets it.
+    began: us, None before. watched_s: after it the run is over. rest_s: motors off for so long count as still; a pause to swing the wheels is mostly
+    shorter. levels: bits of input pins that the fault sets. wake: us; when it wants to be asked next, if that is sooner than anything else happens.
     """
 
     changes: dict = {}
@@ -40,6 +40,7 @@ class Fault:
     clock_us = 0
     at_start = False
     watched_s = WATCHED_S
+    rest_s = 1.0
     levels = 0
     wake = NEVER
     began: float | None = None
@@ -110,7 +111,7 @@ class Fault:
         for start, end, on in _periods(simulation.electronics.switched, self.began, simulation.body.now):
             if on:
                 driven += end - start
-            elif still is None and (end - start >= REST_S * 1e6 or ended and end == simulation.body.now):
+            elif still is None and (end - start >= self.rest_s * 1e6 or ended and end == simulation.body.now):
                 still = start - self.began
         return Outcome(
             self.name,

@@ -2,6 +2,8 @@
 
 from .base import NEVER, Fault, named
 
+_HARD_RESET = 2  # as machine.reset_cause() tells it
+
 
 @named("button-held", "the stop button is pressed and held", within_ms=100, again_s=0, script=((0, True),))
 @named("button-short", "the stop button is pressed for 0.2 s", within_ms=100, again_s=0, script=((0, True), (0.2, False)))
@@ -35,7 +37,23 @@ class Button(Fault):
 @named("button-off", "the wire of the stop button comes off; a second later somebody presses it")
 class Wire(Fault):
     def begin(self, simulation):
+        self._start = simulation.now
         simulation.electronics.stop_wired = False
 
     def go_on(self, simulation):
-        simulation.electronics.stop_pressed = self.began is not None and simulation.now > self.began + 1e6
+        simulation.electronics.stop_pressed = simulation.now > self._start + 1e6
+
+
+@named("button-reset", "the stop button is pressed for 0.3 s; two seconds later somebody presses the board's reset button", within_ms=100, again_s=0)
+class PressedAndReset(Fault):
+    _done = False
+
+    def go_on(self, simulation):
+        after = simulation.now - self._start
+        simulation.electronics.stop_pressed = after < 0.3e6
+        if after > 2e6 and not self._done:
+            self._done = True
+            self.reset(_HARD_RESET)
+
+    def begin(self, simulation):
+        self._start = simulation.now
