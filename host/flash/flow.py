@@ -208,11 +208,14 @@ def _put_key(job: Job) -> str:
     identity, digest = job.survey.identity, job.survey.files.get(KEY_FILE)
     if digest and keep.knows_key(identity, digest):
         return f"known: {places.key_path(identity)}"
-    key = board.pull(job.port, KEY_FILE) if digest else keep.new_key()
+    key = board.pull(job.port, KEY_FILE) if digest else b""
+    learnt = len(key) == keep.KEY_SIZE
+    if not learnt:  # an empty or short one could be guessed: neither side takes it
+        key = keep.new_key()
     path = keep.save_key(key, identity)
-    if not digest:
+    if not learnt:
         _put(job, KEY_FILE, key)
-    return f"{'learnt from the board' if digest else 'new'}: {path}"
+    return f"{'learnt from the board' if learnt else 'new'}: {path}"
 
 
 def _put(job: Job, name: str, data: bytes) -> None:

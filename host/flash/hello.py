@@ -27,7 +27,10 @@ def find(said: bytes) -> str | None:
 
     for kind, _, payload in whole_frames.decode(said):
         if kind == protocol.HELLO:
-            return json.loads(payload[struct.calcsize(protocol.HELLO_FORMAT) :])["firmware"]
+            try:
+                return str(json.loads(payload[struct.calcsize(protocol.HELLO_FORMAT) :])["firmware"])
+            except (ValueError, KeyError, TypeError, RecursionError):
+                continue  # of another firmware, before this one
     return None
 
 

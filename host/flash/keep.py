@@ -85,6 +85,9 @@ def save_key(key: bytes, board: str) -> Path:
 
 
 def knows_key(board: str, sha256: str) -> bool:
-    """Whether the laptop's copy of a board's key is the key with this SHA-256."""
+    """Whether the laptop's copy of a board's key is the key with this SHA-256, and a whole one."""
     path = places.key_path(board)
-    return path.exists() and hashlib.sha256(path.read_bytes()).hexdigest() == sha256
+    if not path.exists():
+        return False
+    key = path.read_bytes()
+    return len(key) == KEY_SIZE and hashlib.sha256(key).hexdigest() == sha256

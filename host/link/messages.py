@@ -29,13 +29,14 @@ import json
 import math
 import struct
 
-from link import protocol
+from link import auth, protocol
 from params import schema
 
 STATES = ("stopped", "auto", "manual")
 STATUSES = ("ok", "refused")
 WINDOWS = 5  # none, green, red, blue, yellow
 FULL_V256 = 90 * 256
+_HELLO_WITHOUT_TAG = 12  # bytes before the JSON in version 0.1.0 and before
 _NOT_LOOKED_AT = 65535  # free length of such a candidate
 _KNOWN = {key: {"default": default, "unit": unit, "meaning": meaning} for key, _, default, _, _, unit, meaning in schema.rows(schema.LIVE)}
 
@@ -96,8 +97,11 @@ def _block(x, y):
 
 
 def _hello(payload):
-    session, counter = struct.unpack_from(protocol.HELLO_FORMAT, payload)
-    rest = _json(payload[struct.calcsize(protocol.HELLO_FORMAT) :])
+    session, counter, _ = struct.unpack_from(protocol.HELLO_FORMAT, payload)
+    try:
+        rest = _json(payload[struct.calcsize(protocol.HELLO_FORMAT) :])
+    except ValueError:
+        rest = _json(payload[_HELLO_WITHOUT_TAG:])  # in recordings
     for name in ("robot", "board"):
         rest[name]  # those who connect need them
     wrong = [name for name, fits in _HELLO_FIELDS.items() if name in rest and not fits(rest[name])]
@@ -270,6 +274,12 @@ def point(counter: int, wheel: int, angle: float) -> bytes:
     return struct.pack(protocol.POINT_FORMAT, counter, wheel, round(angle * 10))
 
 
-def greet(counter: int, names: bool) -> bytes:
-    """names: also send HELLO and NAMES."""
-    return struct.pack(protocol.GREET_FORMAT, counter, names)
+def greet(counter: int, names: bool, nonce: bytes = b"") -> bytes:
+    """names: also send HELLO and NAMES. nonce: 8 random bytes that the answer's tag covers."""
+    return struct.pack(protocol.GREET_FORMAT, counter, names, nonce)
+
+
+def hello_tag(key: bytes, nonce: bytes, payload: bytes) -> bytes:
+    """The tag that a HELLO with this payload has if it answers a GREET with this nonce."""
+    before, behind = _HELLO_WITHOUT_TAG, struct.calcsize(protocol.HELLO_FORMAT)
+    return auth.Signer(key).digest(nonce, bytes((protocol.VERSION, protocol.HELLO)), payload[:before], payload[behind:])[: auth.TAG]

@@ -155,6 +155,7 @@ class Line:
 
     def answer(self, encoder):
         self.answered += 1
+        self.send(encoder)
 
     def close(self):
         pass
@@ -202,7 +203,7 @@ def test_everything_due_is_told():
     robot.avoid.decisions = 7
     kinds = run(link, line, robot)
     hello = kinds[protocol.HELLO][0]
-    assert struct.unpack_from(protocol.HELLO_FORMAT, hello) == (SESSION, 0) and json.loads(hello[12:]) == {"firmware": "1"}
+    assert struct.unpack_from(protocol.HELLO_FORMAT, hello) == (SESSION, 0, bytes(8)) and json.loads(hello[20:]) == {"firmware": "1"}
     assert protocol.NAMES not in kinds  # only who asks gets them
     decision = struct.unpack(protocol.DECISION_FORMAT, kinds[protocol.DECISION][0])
     assert decision[0] == 7 and decision[2:] == (protocol.AUTO, 1, -300, 300, 108, 4, 1, 512, 10, -20, 2, 1234)
@@ -540,6 +541,28 @@ def test_a_greeting_without_the_session_is_answered_once_a_second():
     assert line.answered == 1 and line.valid == 0
 
 
+def hello_tag(hello, nonce, key=KEY):
+    return Signer(key).digest(nonce, bytes((protocol.VERSION, protocol.HELLO)), hello[:12], hello[20:])[:8]
+
+
+def test_the_answer_to_a_greeting_proves_whose_it_is():
+    """Who does not know the session yet is answered, and who knows it; the tag covers all that is told, and the greeting's nonce."""
+    for greeting in (frame(protocol.GREET, b"\1\0\0\0\1nonce..1"), sign(frame(protocol.GREET, b"\1\0\0\0\1nonce..1"))):
+        link, line, robot = make(signed=True)
+        run(link, line, robot, 0, 100_000)
+        line.receive(greeting)
+        (hello,) = run(link, line, robot, 100_000, 200_000)[protocol.HELLO]
+        assert hello[12:20] == hello_tag(hello, b"nonce..1") != hello_tag(hello, b"nonce..2")
+
+
+def test_a_hello_that_answers_nobody_has_no_tag():
+    for greeting in (b"", frame(protocol.GREET, b"\1\0\0\0\1nonce..1")):
+        link, line, robot = make(signed=True, key=None)
+        line.receive(greeting)
+        for hello in run(link, line, robot, 0, 3_000_000)[protocol.HELLO]:
+            assert hello[12:20] == bytes(8)
+
+
 def test_strangers_who_keep_asking_hold_up_nothing():
     link, line, robot = make(signed=True)
     robot.avoid.decisions = 1
@@ -569,7 +592,7 @@ def test_hello_tells_the_counter():
     line.receive(sign(drive(41, protocol.AUTO)))
     link.update(0, robot)
     hello = run(link, line, robot, 1_000_000, 1_100_000)[protocol.HELLO][0]
-    assert struct.unpack_from(protocol.HELLO_FORMAT, hello) == (SESSION, 41) and line.announced >= 2
+    assert struct.unpack_from(protocol.HELLO_FORMAT, hello) == (SESSION, 41, bytes(8)) and line.announced >= 2
 
 
 def test_telling_allocates_nothing():

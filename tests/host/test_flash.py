@@ -23,7 +23,7 @@ from host.flash.errors import FlashError
 from link import frames as whole_frames
 from link import protocol
 
-HELLO = b"starting\r\n" + whole_frames.frame(protocol.HELLO, bytes(12) + b'{"firmware": "0.1.0", "robot": "twin"}')
+HELLO = b"starting\r\n" + whole_frames.frame(protocol.HELLO, bytes(20) + b'{"firmware": "0.1.0", "robot": "twin"}')
 IDENTITY = MAC.hex()
 MINE = b'{"robot": {"length": 610}, "avoid": {"margin": 17}}'
 DEFAULT = b'{"robot": {"length": 600}, "avoid": {"margin": 12}, "wifi": {"ssid": ""}}'

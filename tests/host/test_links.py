@@ -29,8 +29,8 @@ SESSION = b"12345678"
 HELLO = b'{"robot": "gapseeker-0000", "board": "00ff", "firmware": "0.1.0", "full_speed": 1280}'
 
 
-def hello(counter=0, session=SESSION):
-    return whole_frames.frame(protocol.HELLO, struct.pack(protocol.HELLO_FORMAT, session, counter) + HELLO)
+def hello(counter=0, session=SESSION, tag=b""):
+    return whole_frames.frame(protocol.HELLO, struct.pack(protocol.HELLO_FORMAT, session, counter, tag) + HELLO)
 
 
 @pytest.mark.parametrize(
@@ -156,6 +156,8 @@ def test_an_unplugged_board_ends_the_link():
 class RobotSocket:
     """The robot's end of the network, without the robot."""
 
+    session = SESSION
+
     def __init__(self):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
@@ -165,11 +167,19 @@ class RobotSocket:
     def announce(self, **kw):
         self.socket.sendto(hello(**kw), ("127.0.0.1", self.port + 1))
 
+    def answer(self, counter=0, session=SESSION, key=KEY, nonce=None):
+        """Answer the latest greeting as the robot does; or the one with this nonce, word for word as then."""
+        plain = struct.pack("<8sI", session, counter)
+        tag = auth.Signer(key).digest(nonce or self.nonce, bytes((protocol.VERSION, protocol.HELLO)), plain, HELLO)[:8]
+        self.socket.sendto(hello(counter, session, tag), self.peer)
+
     def receive(self):
         data, self.peer = self.socket.recvfrom(2048)
         ((kind, sequence, payload),) = whole_frames.decode(data)
+        if kind == protocol.GREET:
+            self.nonce = payload[5:13]
         signed = struct.pack("<BBHH", protocol.VERSION, kind, sequence, len(payload)) + payload[:-8]
-        genuine = payload[-8:] == auth.Signer(KEY).tag(SESSION, signed)
+        genuine = payload[-8:] == auth.Signer(KEY).tag(self.session, signed)
         return kind, struct.unpack_from("<I", payload)[0], genuine
 
 
@@ -183,7 +193,7 @@ def robot():
 def test_over_the_network_commands_are_signed_and_counted(robot):
     with radio.RadioLink("udp:", f"127.0.0.1:{robot.port}", key=KEY) as link:
         assert robot.receive() == (protocol.GREET, 1, False)  # asks for the session
-        robot.announce(counter=41)
+        robot.answer(counter=41)
         while not (received := robot.receive())[2]:
             pass
         kind, counter, _ = received
@@ -194,6 +204,72 @@ def test_over_the_network_commands_are_signed_and_counted(robot):
         assert received[1] > counter and received[2]
         robot.socket.sendto(whole_frames.frame(protocol.LOG, b"\0hi") + bytes(20), robot.peer)
         assert link.wait_for("log")["text"] == "hi"
+
+
+def received(robot, kind, genuine=True):
+    """Counter of the next command of this type that is signed for the robot's session (or is not)."""
+    while True:
+        got, counter, signed = robot.receive()
+        if got == kind and signed == genuine:
+            return counter
+
+
+def test_a_forged_hello_changes_nothing(robot):
+    """One with a counter near its end, one of another session, one with another board, one signed with another key, and an old one."""
+    with radio.RadioLink("udp:", f"127.0.0.1:{robot.port}", key=KEY) as link:
+        robot.receive()
+        old = robot.nonce
+        robot.answer(counter=41, session=b"before..")
+        robot.session = b"before.."
+        received(robot, protocol.GREET)
+        robot.session = SESSION
+        robot.answer(counter=5)
+        first = received(robot, protocol.GREET)
+        assert first < 20  # the session is new, and so is its counter
+        for forged in (hello(2**32 - 2), hello(2**32 - 2, tag=b"guessed!"), hello(5, b"evilevil"), hello().replace(b"00ff", b"00fe")):
+            robot.socket.sendto(forged, robot.peer)
+        robot.answer(2**32 - 2, key=bytes(32))
+        robot.answer(counter=41, session=b"before..", nonce=old)
+        time.sleep(0.2)
+        link.drive("stop")
+        assert first < received(robot, protocol.DRIVE) < 40
+        assert link.forged >= 3
+
+
+def test_a_stop_goes_out_however_far_the_counter_is(robot):
+    with radio.RadioLink("udp:", f"127.0.0.1:{robot.port}", key=KEY) as link:
+        robot.receive()
+        robot.answer(counter=2**32 - 1)
+        received(robot, protocol.GREET)
+        for _ in range(3):
+            link.drive("stop")
+            assert received(robot, protocol.DRIVE) == 2**32 - 1
+
+
+def test_a_stop_is_told_again_to_a_robot_that_has_started_anew(robot):
+    with radio.RadioLink("udp:", f"127.0.0.1:{robot.port}", key=KEY) as link:
+        robot.receive()
+        robot.answer()
+        received(robot, protocol.GREET)
+        robot.session = b"the next"
+        link.drive("stop")
+        received(robot, protocol.DRIVE, genuine=False)
+        robot.receive()
+        robot.answer(session=b"the next")
+        received(robot, protocol.DRIVE)
+
+
+@pytest.mark.parametrize("size", [0, 1, 31, 33])
+def test_a_key_that_is_not_whole_is_none(robot, tmp_path, monkeypatch, size):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    path = radio.places.key_path("00ff")
+    path.parent.mkdir(parents=True)
+    path.write_bytes(bytes(size))
+    with radio.RadioLink("udp:", f"127.0.0.1:{robot.port}") as link:
+        robot.receive()
+        robot.answer(key=bytes(size))
+        assert f"no key of 32 bytes, but one of {size}" in link.wait_for("text")["text"]
+        assert link._frame(protocol.DRIVE, b"") == b""
 
 
 def test_without_the_key_no_command_is_sent(robot, tmp_path, monkeypatch):

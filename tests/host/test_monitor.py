@@ -195,7 +195,7 @@ def test_what_was_given_on_the_command_line_may_be_opened_again(monkeypatch, tmp
 
 def test_a_recording_of_a_link_carries_what_the_robot_told_of_itself(station):
     told = b'{"firmware": "0.1.0", "robot": "gapseeker-1", "board": "00ff", "width": 260, "length": 700, "track": 230, "spacings": [115, 150]}'
-    station.link._receive(whole_frames.frame(protocol.HELLO, struct.pack(protocol.HELLO_FORMAT, b"11111111", 0) + told))
+    station.link._receive(whole_frames.frame(protocol.HELLO, struct.pack(protocol.HELLO_FORMAT, b"11111111", 0, b"") + told))
     for key, value in (("avoid.margin", b"20"), ("servos.trims.0", b"1.5"), ("servos.trims.1", b"-2")):
         station.link._receive(whole_frames.frame(protocol.PARAMETER, b'{"key": "%s", "value": %s}' % (key.encode(), value)))
     assert until(lambda: len(station.known()) == 5)
@@ -368,7 +368,7 @@ def test_terminal_keys_drive(station):
 
 def hello(session):
     told = b'{"firmware": "0.1.0", "robot": "gapseeker-1", "board": "00ff", "boot": "restart"}'
-    return whole_frames.frame(protocol.HELLO, struct.pack(protocol.HELLO_FORMAT, session, 0) + told)
+    return whole_frames.frame(protocol.HELLO, struct.pack(protocol.HELLO_FORMAT, session, 0, b"") + told)
 
 
 def test_a_robot_that_has_started_anew_is_asked_again(station):

@@ -47,6 +47,8 @@ _GREET = const(0x47)
 _REPLY = const(0x0B)
 _REPLY_SIZE = const(6)
 _AT = const(8)  # place of the payload
+_NONCE_AT = const(13)  # in a GREET: behind the counter and one byte more
+_NONCE = const(8)
 _SCANS_WANTED = const(1)  # flags of WATCH
 _CANDIDATES_WANTED = const(2)
 
@@ -91,10 +93,13 @@ class Link(Commands):
             line.update(now_us)
             idle = idle and line.idle()
             while line.take(now_us):
-                if self.obey(line, now_us, robot):
+                genuine = self.obey(line, now_us, robot)
+                if genuine:
                     line.heard(now_us)
-                elif line.signed and line.decoder.kind == _GREET and self._is_due(_ANSWER, now_us, _HELLO_US):
-                    self._asker = line  # broadcasts do not reach everyone; once a second, so that nobody gains by asking
+                if line.signed and line.decoder.kind == _GREET and (genuine or self._is_due(_ANSWER, now_us, _HELLO_US)):
+                    self._nonce = bytes(line.decoder.data[_NONCE_AT : _NONCE_AT + _NONCE])
+                    if not genuine:
+                        self._asker = line  # broadcasts do not reach everyone; once a second, so that nobody gains by asking
                 hears = hears or not line.signed  # strangers in the network must not be able to hold it up
             hears = hears or line.decoder.waiting()
         self.expire(now_us)
@@ -199,7 +204,7 @@ class Link(Commands):
         self._told_us[_HELLO] = now_us
         self._names_due = self._names_due or self.greeted
         self.greeted = False
-        self._encoder.seal(messages.hello(data, self.session, self.counter, self._identity))
+        self._seal_hello(data)
         self._send()
         for line in self._carriers:
             if line.signed:
@@ -208,9 +213,13 @@ class Link(Commands):
     def _answer(self, data, now_us):
         """Tell the session to one who greets without it."""
         self._told_us[_ANSWER] = now_us
-        self._encoder.seal(messages.hello(data, self.session, self.counter, self._identity))
+        self._seal_hello(data)
         self._asker.answer(self._encoder)
         self._asker = None
+
+    def _seal_hello(self, data):
+        self._encoder.seal(messages.hello(data, self.session, self.counter, self._identity, self.signer, self._nonce))
+        self._nonce = b""
 
     def _once(self, data, now_us, robot):
         """The next of the messages that are told once and must not be lost; the length of its payload, 0 when there is none."""

@@ -23,7 +23,9 @@ _HEALTH = const(0x06)
 _POSE = const(0x09)
 
 # Bytes of the fixed parts
-_HELLO_SIZE = const(12)
+_HELLO_SIZE = const(20)
+_HELLO_SIGNED = const(12)  # bytes of it before the tag
+_TAG = const(8)
 _DECISION_SIZE = const(28)
 _WHEELS_SIZE = const(15)
 _POINTS_SIZE = const(6)
@@ -41,10 +43,15 @@ def text(kind, data, before, what):
     return before + count
 
 
-def hello(data, session, counter, identity):
-    """identity: the JSON, bytes; counter: of the last command."""
-    pack_into("<8sI", data, _AT, session, counter)
-    return text(_HELLO, data, _HELLO_SIZE, identity)
+def hello(data, session, counter, identity, signer, nonce):
+    """identity: the JSON, bytes; counter: of the last command; nonce: of the greeting that is answered, empty where none is."""
+    pack_into("<8sI8s", data, _AT, session, counter, b"")
+    length = text(_HELLO, data, _HELLO_SIZE, identity)
+    if nonce and signer is not None:
+        view = memoryview(data)
+        tag = signer.digest(nonce, view[_TYPE - 1 : _TYPE + 1], view[_AT : _AT + _HELLO_SIGNED], identity)
+        copy(tag, 0, _TAG, data, _AT + _HELLO_SIGNED)
+    return length
 
 
 def decision(data, avoid, state, now_us, took_us):

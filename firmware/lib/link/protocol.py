@@ -19,7 +19,7 @@ A datagram holds one frame; zero bytes after it are filling. Angles are 0.1 deg,
 
 Robot to laptop
 
-    01 HELLO       session (8 bytes), counter u32 (of the last command), then JSON: firmware (version), robot (name), board (unique id in hex),
+    01 HELLO       session (8 bytes), counter u32 (of the last command), tag (8 bytes, see below), then JSON: firmware (version), robot (name), board (unique id in hex),
                    boot (reason), width, length, track, spacings
     02 DECISION    number u32, time u32, state u8 (STOPPED, AUTO, MANUAL), mode u8, AF i16, AR i16, V u8, window u8, zone u8 (255 none), free i16,
                    block x i16, block y i16 (32767 none), why u8, took u32 (us of computing)
@@ -50,12 +50,16 @@ Laptop to robot; each payload begins with a counter u32
     44 WATCH       flags u8: bit 0 send SCAN, bit 1 send CANDIDATES
     45 LIST        send every PARAMETER
     46 POINT       wheel u8 (2(i-1)+(j-1)), angle i16: turn this wheel alone while the robot stands; its trim is the parameter servos.trims.WHEEL
-    47 GREET       what u8: bit 0 send HELLO and NAMES. Over UDP the robot sends to whom it last heard a valid command from, for 3 s;
+    47 GREET       what u8: bit 0 send HELLO and NAMES; then 8 random bytes, the nonce (may be left out). Over UDP the robot sends to whom it last heard a valid command from, for 3 s;
                    a GREET without a right tag is answered with a HELLO, which tells the session a tag needs
     48 RESTART     start anew, as after a reset; refused unless the robot stands
 
 Commands over UDP end with a tag of 8 bytes: the first 8 bytes of HMAC-SHA256 under the robot's key, see `auth`. Over USB there is none:
 whoever holds the cable can also press reset.
+
+A HELLO that answers a GREET over UDP has a tag too, if there is a key: the first 8 bytes of HMAC-SHA256 over the GREET's nonce | version and type |
+session and counter | JSON. So whoever sent that nonce knows the session and the counter to be the robot's own and of now; from other HELLOs,
+whose tag may be zeros, a laptop learns only that there is a robot.
 """
 
 VERSION = 1
@@ -100,14 +104,14 @@ WHEELS_FORMAT = "<IhhhIB"
 POINTS_FORMAT = "<IH"
 SCAN_FORMAT = "<IHHB"
 HEALTH_FORMAT = "<IIIHBBBIIIII"
-HELLO_FORMAT = "<8sI"
+HELLO_FORMAT = "<8sI8s"
 POSE_FORMAT = "<IiiI"
 CANDIDATES_FORMAT = "<IBBB"
 REPLY_FORMAT = "<IBB"
 COUNTER_FORMAT = "<I"
 DRIVE_FORMAT = "<IBhhB"
 WATCH_FORMAT = "<IB"
-GREET_FORMAT = "<IB"
+GREET_FORMAT = "<IB8s"
 POINT_FORMAT = "<IBh"
 
 NO_POINT = 32767

@@ -13,6 +13,7 @@ from link.telemetry import AUTO, Decoder, Encoder
 
 _COMMAND = const(200)  # longest payload of a command
 _KINDS = const(7)  # of what link.py tells again and again
+_KEY = const(32)  # bytes; what is shorter, or empty, could be guessed
 _SESSION = const(8)  # auth.SESSION; that module is loaded only where there is a key
 
 
@@ -34,10 +35,13 @@ def start_link(config, machine, wlan=None, remark=None):
     if config.wifi_ssid:
         try:
             with open("network.key", "rb") as file:
-                key = file.read()
-            from link.auth import Signer
+                key = file.read(_KEY + 1)
+            if len(key) == _KEY:
+                from link.auth import Signer
 
-            signer = Signer(key)
+                signer = Signer(key)
+            else:
+                remarks.append("network.key is not of 32 bytes: commands over WiFi are refused; make deploy puts a new one on the board")
         except OSError:
             remarks.append("no network.key: commands over WiFi are refused; make deploy puts one on the board")
     identity = json.dumps(_identity(config, machine)).encode()
@@ -86,6 +90,7 @@ def set_up_link(self, config, identity, encoder, carriers, session, signer):
     self._decisions = self._points_of = -1
     self._unsealed = 0  # payload's length of the long message that has been put together; _SEALED when it has its check and has yet to be sent
     self._names_due = False
+    self._nonce = b""  # of a greeting over the network, for the HELLO that answers it
     self._asker = None  # the carrier over which somebody asked without knowing the session
     self._logs = []
     self._drive_fault = ""
