@@ -7,7 +7,7 @@ INSTALLED := $(VENV)/.installed
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint bench experiments flash deploy monitor screenshots budget drawings
+.PHONY: help setup demo test lint coverage pythons check-all bench experiments flash deploy monitor screenshots budget drawings
 
 help:  ## list the words
 	@sed -n 's/^\([a-z][a-z-]*\):[^#]*## /\1\t/p' $(MAKEFILE_LIST) | sort | awk -F'\t' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -40,6 +40,19 @@ lint: $(READY)  ## look over the sources: ruff and mypy
 	@$(VENV)/bin/ruff check
 	@$(VENV)/bin/ruff format --check
 	@$(VENV)/bin/mypy
+
+# The firmware's lines and branches that its tests reach; what may stop the robot is reached whole.
+coverage: $(READY)  ## how much of the firmware the tests reach, with its floors
+	@$(RUN) -m pytest -q -k "not micropython" tests/firmware --cov --cov-report= --cov-fail-under=95
+	@$(VENV)/bin/coverage report --include='firmware/lib/safety/*,firmware/lib/actuation/*,firmware/lib/params/*' --fail-under=100
+
+pythons: $(READY)  ## the tests under every other Python that is at hand
+	@$(RUN) tools/try_pythons.py
+
+check-all: lint test coverage pythons  ## all that .ci/run does, and what takes longer: experiments in full, the bench over all courses
+	@$(RUN) -m host.budget --check
+	@$(RUN) -m host.bench --all-courses
+	@$(RUN) -m host.experiments
 
 bench: $(READY)  ## measure what the firmware's stages take, here and on the ESP32 (modelled)
 	@$(RUN) -m host.bench
