@@ -1,14 +1,19 @@
 """Each fault does what its name says: on the lidar's line, at the chips and pins, to the body, inside the board. What the robot makes of it is not asked here."""
 
+import ast
+import importlib
+import inspect
 import json
 
 import numpy as np
 import pytest
 
+from host import compat
 from host.link.address import AddressError
 from host.link.twin import arguments_of
-from host.twin import Observer, cli, faults, run, silence
+from host.twin import Observer, cli, faults, image, run, silence
 from host.twin.faults import base, lidar, table
+from host.twin.faults.board import PARTS
 
 ENGINES = ("micropython", "cpython")
 # Straight on at 400 mm/s through the registers alone, writing them anew every 20 ms, and printing what it sees.
@@ -460,6 +465,16 @@ def test_a_press_and_a_reset(board):
     assert log.resets == [(pytest.approx(3e6, abs=5e4), 2)]
     rows = log.rows()
     assert rows[rows[:, 3] == 0][:, 0] == pytest.approx(1.15e6, abs=0.17e6)
+
+
+def test_the_firmware_has_the_parts_that_fail():
+    compat.install()
+    source = ast.parse((image.BOARD / "fault.py").read_text())
+    parts = next(ast.literal_eval(node.value) for node in source.body if isinstance(node, ast.Assign) and node.targets[0].id == "_PARTS")
+    assert set(PARTS) <= set(parts)
+    for module, owner, method, count in (*parts.values(), ("link.auth", "Signer", "signed", 3)):
+        found = getattr(getattr(importlib.import_module(module), owner), method)
+        assert len(inspect.signature(found).parameters) == count + 1, f"{module}:{owner}.{method}"
 
 
 def test_by_itself_it_waits_for_the_motors_and_four_seconds(board):

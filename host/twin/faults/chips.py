@@ -2,7 +2,7 @@
 
 from .base import NEVER, Fault, board_file, named
 
-POWER_ON, HARD_RESET = 1, 2  # as machine.reset_cause() tells them
+POWER_ON, HARD_RESET = 1, 2  # as machine.reset_cause() tells them; of a brown-out nothing better than power-on can be relied on
 BUS_STUCK = 62  # like BEGUN no pin: SDA is held low, so that every transfer waits for the driver's time-out
 _PULSES = 9  # of SCL let go of a chip that waits for them
 
