@@ -35,7 +35,7 @@ def fill(words: ptr16, n: int, value: int):
 
 
 @micropython.viper
-def cover(revisit: ptr8, tx: ptr16, ty: ptr16, job: ptr32, first: int, last: int):
+def cover(revisit: ptr8, trail: ptr16, job: ptr32, first: int, last: int):
     """Make the places within the radius of each point first..last-1 of the trail more expensive, each time anew."""
     cell = job[_CELL]
     radius = job[_RADIUS]
@@ -43,8 +43,8 @@ def cover(revisit: ptr8, tx: ptr16, ty: ptr16, job: ptr32, first: int, last: int
     room = radius * radius
     k = first % _TRAIL
     while first < last:
-        x = (((tx[k] - job[_X]) & 0xFFFF) ^ 0x8000) - 0x8000
-        y = (((ty[k] - job[_Y]) & 0xFFFF) ^ 0x8000) - 0x8000
+        x = (((trail[2 * k] - job[_X]) & 0xFFFF) ^ 0x8000) - 0x8000
+        y = (((trail[2 * k + 1] - job[_Y]) & 0xFFFF) ^ 0x8000) - 0x8000
         first += 1
         k += 1
         if k == _TRAIL:

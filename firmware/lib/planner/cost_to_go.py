@@ -35,6 +35,10 @@ _OUT = const(255)  # cost of what is closed or not reached
 _TRAIL = const(120)  # points, one each cell's length
 _TRAIL_GAP = const(10)  # those behind the centre that are still under the body
 _KNEE = const(216)  # of costs: see propagate.py
+# Fields of CostToGo.grid, see cost_grid.py
+_GRID_X = const(0)
+_GRID_Y = const(1)
+_GRID_CELL = const(2)
 # log2 of sixteenths of a cell in a unit of cost; where the last axle stays straight, to and fro costs more
 _UNIT = const(2)
 _UNIT_NAWS = const(3)
@@ -117,8 +121,9 @@ def sample(cost: ptr8, poses: ptr32, n: int, cell: int):
 
 
 class CostToGo:
-    """Cost of leaving, by pose. `ready` once a first grid exists; `step()` renews it slice by slice.
+    """Cost of leaving, by pose. `step()` renews it slice by slice; of use when `builds`, the grids made so far, are more than one.
 
+    grid: array('i') of cost_grid.py; first the corner's x and y (1/8 mm modulo 2**16) and the size of a cell (1/8 mm) of the one in use.
     scratch: array('H'), in use while a grid is being made only: others may have it at other times.
     """
 
@@ -129,7 +134,6 @@ class CostToGo:
         tables = None
         unload("planner.tables")
         cell = config.robot_length * 8 // 12
-        self.cell = cell  # 1/8 mm
         self.cost = bytearray(_STATES + 1)  # the last byte: log2 of sixteenths of a cell in a unit
         self.cost[_STATES] = shift = _UNIT if config.mode == "AWS" else _UNIT_NAWS
         self.scratch = array("H", bytes(4 * 3 * _ROWS + _PLACES))
@@ -139,20 +143,16 @@ class CostToGo:
         self._marks = view[4 * _ROWS : 6 * _ROWS]
         self._revisit = view[6 * _ROWS :]
         radius = config.robot_width * 4 + cell // 2  # of what the trail makes expensive
-        self._job = array("i", (0, 0, cell, radius, len(self._masks) // (16 * _TURNS)))  # of cost_grid.py
+        self.grid = array("i", (0, 0, cell, radius, len(self._masks) // (16 * _TURNS)))  # of cost_grid.py
         self._wave = array("i", (0, 0, 0, 0, 0, shift, 20, 16, 4, 0) if config.mode == "AWS" else (0, 0, 0, 0, 0, shift, 24, 16, 6, 1))  # of propagate.py
-        self._tx = array("H", bytes(2 * _TRAIL))
-        self._ty = array("H", bytes(2 * _TRAIL))
-        self._trail = 0  # points laid so far
+        self._trail = array("H", bytes(2 * 2 * _TRAIL))  # x, y
+        self._laid = 0  # points of it so far
         self.ux = 0  # direction of travel over the last few lengths, * 2**10
         self.uy = 1024
         self._pose = array("i", (0, 0, 0))  # for at()
         self._stage = 0
         self._lean = 0
         self._k = 0
-        self.corner_x = 0  # of the grid in use, 1/8 mm mod 2**16
-        self.corner_y = 0
-        self.ready = False
         self.builds = 0
         self._px = 0
         self._py = 0
@@ -161,49 +161,49 @@ class CostToGo:
         """Lay the trail and turn the sense of direction with the robot. Call once a frame."""
         x = odometry.x
         y = odometry.y
-        if self._trail == 0:
+        if self._laid == 0:
             self._px = x
             self._py = y
         # The coordinates wrap, far out.
         dx = ((x - self._px & 0x1FFFFF ^ 0x100000) - 0x100000) >> 8
         dy = ((y - self._py & 0x1FFFFF ^ 0x100000) - 0x100000) >> 8
-        step = self.cell >> 3
-        if self._trail and dx * dx + dy * dy < step * step:
+        step = self.grid[_GRID_CELL] >> 3
+        if self._laid and dx * dx + dy * dy < step * step:
             return
-        i = self._trail % _TRAIL
-        self._tx[i] = (x >> 5) & 0xFFFF
-        self._ty[i] = (y >> 5) & 0xFFFF
-        self._trail += 1
+        i = self._laid % _TRAIL
+        self._trail[2 * i] = (x >> 5) & 0xFFFF
+        self._trail[2 * i + 1] = (y >> 5) & 0xFFFF
+        self._laid += 1
         self._px = x
         self._py = y
         # First-order low pass over the way travelled: 2.5 body lengths.
-        d = self.cell * 15 >> 2
+        d = self.grid[_GRID_CELL] * 15 >> 2
         self.ux += (dx * 1024 - self.ux * step) // d
         self.uy += (dy * 1024 - self.uy * step) // d
 
     def step(self, odometry, points):
         """One slice of the next grid. Returns True when a new one has just come into use."""
         stage = self._stage
-        job = self._job
+        job = self.grid
         if stage == 0:
             # Lay the grid round the robot; the one before says to which side the half turn of orientations leans.
             x = odometry.x >> 5
             y = odometry.y >> 5
-            cell = self.cell
+            cell = job[_GRID_CELL]
             if self.builds:
-                i = ((x - job[0] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
-                j = ((y - job[1] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
+                i = ((x - job[_GRID_X] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
+                j = ((y - job[_GRID_Y] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
                 self._lean = heading_branch.choose(self.cost, i, j, odometry.heading // 100)
-            job[0] = x - cell * (_N // 2) & 0xFFFF
-            job[1] = y - cell * (_N // 2) & 0xFFFF
+            job[_GRID_X] = x - cell * (_N // 2) & 0xFFFF
+            job[_GRID_Y] = y - cell * (_N // 2) & 0xFFFF
             # Nothing closed, near or marked, nothing reached; a revisit cost of 2 halves everywhere.
             fill(self.cost, _STATES >> 1, 0xFFFF)
             fill(self.scratch, 3 * 2 * _ROWS, 0)
             fill(self._revisit, _PLACES >> 1, 0x0202)
         elif stage == 1:
             # Ground covered becomes expensive, more each time; not what the body still stands on.
-            first = self._trail - _TRAIL
-            cover(self._revisit, self._tx, self._ty, job, first if first > 0 else 0, self._trail - _TRAIL_GAP)
+            first = self._laid - _TRAIL
+            cover(self._revisit, self._trail, job, first if first > 0 else 0, self._laid - _TRAIL_GAP)
             self._k = 0
         elif stage == 2:
             self._k = close(self._closed, self._near, self._masks, self._marks, points.x, points.y, self._k, points.count, _POINTS, job)
@@ -219,23 +219,21 @@ class CostToGo:
         else:
             if not propagate(self.cost, self._closed, self._near, self._revisit, self._marks, self._primitives, self._wave, _WORK):
                 return False
-            self.corner_x = job[0]
-            self.corner_y = job[1]
             self._stage = 0
             self.builds += 1
             # The very first one does not know to which side the way out leads.
-            self.ready = self.builds > 1
-            return self.ready
+            return self.builds > 1
         self._stage = stage + 1
         return False
 
     def at(self, x, y, heading):
         """Cost of a pose on the floor (1/8 mm mod 2**16, 0.1 deg), mm, relative to others of this grid."""
-        u = ((x - self.corner_x) & 0xFFFF ^ 0x8000) - 0x8000
-        v = ((y - self.corner_y) & 0xFFFF ^ 0x8000) - 0x8000
+        grid = self.grid
+        u = ((x - grid[_GRID_X]) & 0xFFFF ^ 0x8000) - 0x8000
+        v = ((y - grid[_GRID_Y]) & 0xFFFF ^ 0x8000) - 0x8000
         pose = self._pose
         pose[0] = u + 65536
         pose[1] = v + 65536
         pose[2] = heading % 1800
-        sample(self.cost, pose, 1, self.cell)
+        sample(self.cost, pose, 1, grid[_GRID_CELL])
         return pose[0]

@@ -193,8 +193,13 @@ class Decision:
         plan = self.plan
         first = self.two_step
         self.decided = True
-        if self.reversals >= _PATIENCE and self._escape(odometry):
-            pass
+        lengths = self.candidates.lengths
+        # To and fro on the same ground has led nowhere: go back or on as far as anything goes, and look from there.
+        most = self.longest((2, 3, 0, 1), lengths[2]) if self.reversals >= _PATIENCE else 0
+        if most:
+            first.found = False  # no second move
+            plan.begin(1, min(most - lengths[0], lengths[3]), odometry, _AGAIN)
+            self.reversals = 0
         elif first.count:
             at = first.chosen  # the best single one, where no pair was found
             mirroring = first.mirroring[at]
@@ -259,7 +264,7 @@ class Decision:
             age_us = _NO_AGE
             near = max(near, self.candidates.look_ahead // _LATE)
             turned = _LATE_TURN
-        return self.cost_to_go.ready and not away(self.made_at, odometry, near, turned) and ticks_diff(odometry.now_us, self.made_us) < age_us
+        return self.cost_to_go.builds > 1 and not away(self.made_at, odometry, near, turned) and ticks_diff(odometry.now_us, self.made_us) < age_us
 
     def check_some(self, mirroring):
         """Check and score the next candidates of one mirroring, as many as a slice allows. True when all are done."""
@@ -326,14 +331,3 @@ class Decision:
             return 0
         self.plan.take(mirroring, found)
         return least
-
-    def _escape(self, odometry):
-        """To and fro on the same ground has led nowhere: go back or on as far as anything goes, and look from there. False if nothing goes far."""
-        lengths = self.candidates.lengths
-        most = self.longest((2, 3, 0, 1), lengths[2])
-        if not most:
-            return False
-        self.two_step.found = False  # no second move
-        self.plan.begin(1, min(most - lengths[0], lengths[3]), odometry, _AGAIN)
-        self.reversals = 0
-        return True

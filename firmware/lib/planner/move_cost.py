@@ -23,6 +23,11 @@ _OVERHEAD = const(76)  # what is done once for a candidate, its five ends above 
 _BEST_FIRST = const(190)  # ... to find and to check the one with the least lower bound
 _UNITS = const(100 * 1200)  # weights are in percent, over 120 degrees
 
+# Fields of CostToGo.grid, see cost_grid.py
+_GRID_X = const(0)
+_GRID_Y = const(1)
+_GRID_CELL = const(2)
+
 # Fields of the job. Nothing in it is negative: words have no sign in viper where pointers are longer than they.
 _X = const(0)  # the body in the grid, 1/8 mm, + 2**15
 _Y = const(1)
@@ -206,20 +211,20 @@ class MoveCost:
 
     def stand_at(self, x, y, heading):
         """Score from a pose x, y (mm) and heading (0.1 deg) as seen from where stand() was called. Returns its cost to go, mm."""
-        field = self.cost_to_go
+        grid = self.cost_to_go.grid
         job = self._job
         a = self.heading
         s = sin14(a)
         c = cos14(a)
         x, y = self.x + ((x * c + y * s + 1024) >> 11), self.y + ((y * c - x * s + 1024) >> 11)
         a += heading
-        job[_X] = (x - field.corner_x) & 0xFFFF ^ 0x8000
-        job[_Y] = (y - field.corner_y) & 0xFFFF ^ 0x8000
+        job[_X] = (x - grid[_GRID_X]) & 0xFFFF ^ 0x8000
+        job[_Y] = (y - grid[_GRID_Y]) & 0xFFFF ^ 0x8000
         job[_SINE] = sin14(a) + 16384
         job[_COSINE] = cos14(a) + 16384
-        job[_CELL] = field.cell
+        job[_CELL] = grid[_GRID_CELL]
         job[_HEADING] = 3600 + a % 3600
-        return field.at(x, y, a)
+        return self.cost_to_go.at(x, y, a)
 
     def _prepare(self, mirroring, first, last, stride, af, ar, extra, bound):
         job = self._job
