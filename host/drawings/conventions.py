@@ -35,7 +35,7 @@ def steering(robot, path):
     af, ar = 30, -20
     solved = Steering(lay_out(SPACINGS, TRACK))
     solved.solve(af * 10, ar * 10)
-    figure, (axes,) = style.page(6.4, 4.6)
+    figure, (axes,) = style.page(6.6, 3.9)
     style.body(axes, robot.size)
     radius = sum(SPACINGS) / (np.tan(np.radians(af)) - np.tan(np.radians(ar)))
     centre = np.array([radius, FIRST - radius * np.tan(np.radians(af))])

@@ -175,7 +175,7 @@ def _centre(way):
 
 def two_moves(robot, moment, path):
     """The first moves that were tried, and the pair that was chosen."""
-    figure, (left, right) = style.page(9.4, 5.2, 2)
+    figure, (left, right) = style.page(9.4, 4.9, 2)
     half_width, half_length = robot.size
     for axes in (left, right):
         style.body(axes, robot.size, alpha=0.9)
