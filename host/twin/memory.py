@@ -19,8 +19,6 @@ from . import image, wire
 KIB = 1024
 HEAP_AND_CODE = 200 * KIB
 WITH_RADIO = 163 * KIB
-# With the radio on, more than the chip has, until the firmware has become as small as it must be. Then this is 0.
-RADIO_ALLOWANCE = 48 * KIB
 
 _PROBE = "import gc\ngc.collect()\nprint('board', gc.mem_alloc(), gc.mem_alloc() + gc.mem_free())\n"
 _RADIO = "import network, socket\n"
@@ -31,7 +29,7 @@ def board_heap(firmware, config_text):
     """Bytes of heap that the firmware in the folder has on the board with that robot.json: gc.mem_alloc() + gc.mem_free() at main.py's first line."""
     kept = image.compiled(firmware)[1].parent
     code = _remembered(kept / "machine_code.json", lambda: mpy.machine_code_bytes(firmware))
-    return (WITH_RADIO + RADIO_ALLOWANCE if radio(config_text) else HEAP_AND_CODE) - sum(code.values())
+    return (WITH_RADIO if radio(config_text) else HEAP_AND_CODE) - sum(code.values())
 
 
 def heap_size(port, board, board_bytes, chip=None, radio=False, fault=None):

@@ -288,7 +288,7 @@ def test_datagrams_go_to_who_was_heard_and_no_longer_than_that():
     sealed(encoder, 33)
     radio.announce(encoder)
     data, address = sockets.sent.pop()
-    assert address == ("255.255.255.255", 9751) and len(data) == 64 and decode(data)[0][0] == protocol.LOG
+    assert address == ("255.255.255.255", 9751) and len(data) == 128 and decode(data)[0][0] == protocol.LOG
     assert not any(data[43:])  # nothing of the longer frame before is left
     assert radio.send(encoder) and sockets.sent == []  # nobody listens
     sockets.received.append((frame(protocol.GREET, b"\1\0\0\0\1"), ("10.0.0.7", 4321)))
