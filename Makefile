@@ -51,6 +51,7 @@ pythons: $(READY)  ## the tests under every other Python that is at hand
 
 check-all: lint test coverage pythons  ## all that .ci/run does, and what takes longer: experiments in full, the bench over all courses
 	@$(RUN) -m host.budget --check
+	@if $(RUN) -c 'import atheris' 2>/dev/null; then $(RUN) -m tests.fuzz all 60; else echo "left out: the fuzzer; to get it: $(VENV)/bin/pip install atheris"; fi
 	@$(RUN) -m host.bench --all-courses
 	@$(RUN) -m host.experiments
 

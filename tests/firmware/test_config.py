@@ -1,9 +1,12 @@
 """params/: what robot.json may say, and what is answered to what it may not."""
 
+import os
+
 from params import schema
 from params.change import change
 from params.config import Config
 from params.parse import load, read
+from params.values import ConfigError
 
 ROBOT_JSON = __file__.rsplit("/", 3)[0] + "/firmware/robot.json"
 
@@ -184,3 +187,15 @@ def test_the_margins_go_with_the_body():
 def test_a_screen_has_a_line_of_its_own():
     assert Config({"screen": {"kind": "nextion"}}).screen_kind == "nextion"
     assert _refusal({"screen": {"kind": "nextion", "tx": 27}}) == "screen.tx = 27: already the pin of lidar.motor_pin"
+
+
+def test_a_file_that_is_no_text_is_refused_as_such():
+    with open("not-text.json", "wb") as file:
+        file.write(b'{"mode": "\x80"}')
+    try:
+        load("not-text.json")
+        assert False, "taken"
+    except ConfigError as error:
+        assert "UTF-8" in str(error)
+    finally:
+        os.remove("not-text.json")

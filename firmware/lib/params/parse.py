@@ -17,7 +17,11 @@ STAY = ("servos_trims", "servos_low", "servos_high", "motors_full_speed", "batte
 def load(path="robot.json"):
     """The values in the file. OSError if it cannot be read, ConfigError as in read()."""
     with open(path) as file:
-        return read(file.read())
+        try:
+            text = file.read()
+        except UnicodeError:
+            raise ConfigError("robot.json is not text in UTF-8: write it anew, or save it as UTF-8")
+    return read(text)
 
 
 def read(text):
@@ -25,7 +29,7 @@ def read(text):
     stream = io.StringIO(text)
     try:
         return json.load(stream)
-    except ValueError as error:
+    except (ValueError, RuntimeError) as error:  # RuntimeError: nested too deep
         # CPython counts the lines, MicroPython leaves the stream where it stopped reading.
         line = getattr(error, "lineno", 0) or 1 + text[: max(stream.tell() - 1, 0)].count("\n")
         raise ConfigError("robot.json is not JSON: look for a missing comma, quote or bracket in line %d or just before" % line)

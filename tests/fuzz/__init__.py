@@ -1,0 +1,1 @@
+"""What is fuzzed (`targets`), and the harness for atheris (`python -m tests.fuzz`)."""
