@@ -107,6 +107,8 @@ class Station:
                 self.open(self.address)
             elif do == "record":
                 self.record(_in_recordings(what["path"]) if what.get("path") else None)
+                if what.get("scans") and link is not None and link.commands:
+                    link.watch(scan=True, candidates=bool(what.get("candidates")))  # half of what the cable carries: only for who asks
             elif do == "end_recording":
                 self.stop_recording()
             elif do == "play" and hasattr(link, "seek"):

@@ -6,13 +6,13 @@ Half of them are whole frames with a right check around what means nothing, as n
 import gc
 import struct
 
+import test_lidar
+import test_link
+
 from lidar import Lidar
 from link.auth import Signer
 from link.frames import frame
 from link.telemetry import Decoder
-
-import test_lidar
-import test_link
 
 ROUNDS = 400
 

@@ -312,6 +312,17 @@ def test_a_second_laptop_learns_the_key(connect, perform):
     assert places.key_path(IDENTITY).read_bytes() == emulated.get(flow.KEY_FILE)
 
 
+@pytest.mark.parametrize("size", [0, 16])
+def test_a_short_key_is_replaced(connect, perform, size):
+    emulated = connect()
+    perform(flow.FLASH, emulated)
+    emulated.put({flow.KEY_FILE: bytes(size)})
+    places.key_path(IDENTITY).write_bytes(bytes(size))
+    assert "new: " in perform(flow.DEPLOY, emulated)
+    key = places.key_path(IDENTITY).read_bytes()
+    assert len(key) == 32 and emulated.get(flow.KEY_FILE) == key
+
+
 def test_every_flash_makes_a_new_key(connect, perform):
     emulated = connect()
     perform(flow.FLASH, emulated)

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 pytest.importorskip("hypothesis", reason="needs the extra [test]")
-from hypothesis import given, settings  # noqa: E402
-from hypothesis import strategies as st  # noqa: E402
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from tests.fuzz import targets  # noqa: E402
+from tests.fuzz import targets
 
 FEW = settings(max_examples=100, deadline=None)
 MANY = settings(max_examples=400, deadline=None)

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from host import recording
-from host.link import AddressError, LinkError, connect, messages, radio
+from host.link import AddressError, LinkError, connect, messages, playback, radio
 from host.link import address as addresses
 from host.recording import Stream
 from link import frames as whole_frames
@@ -314,6 +314,19 @@ def test_a_recording_plays_as_it_was(recorded):
         assert len(link.wait_for("world")["walls"]) == 7
         assert [link.wait_for("decision")["number"] for _ in range(30)] == list(range(30))
         assert link.wait_for("event")["text"] == "pass"
+
+
+def test_without_true_poses_no_walls_are_shown(tmp_path):
+    """Where the robot thinks it is begins anywhere; between the walls of the course it would stand in one of them."""
+    told = whole_frames.frame(protocol.POSE, struct.pack(protocol.POSE_FORMAT, 5, 0, 0, 0))
+    for poses in (0, 1):
+        path = tmp_path / f"{poses}.rec"
+        with recording.Writer(path, recording.Header("1", "", "twin:z?width=550", clock="host")) as writer:
+            writer.write(Stream.TELEMETRY, 0, told)
+            for _ in range(poses):
+                writer.write(Stream.POSE, 10, recording.Pose(750, 0, 0).pack())
+        kinds = [message["type"] for _, message in playback.story(recording.Reader(path))]
+        assert ("world" in kinds) == ("truth" in kinds) == bool(poses)
 
 
 def test_a_jump_tells_what_was_so_then(recorded):

@@ -212,6 +212,13 @@ def test_a_recording_of_a_link_carries_what_the_robot_told_of_itself(station):
     assert recording.Pose.unpack(pose.data) == (750, 20, 90)
 
 
+def test_raw_scans_are_recorded_on_request(station):
+    station.command({"do": "record"})
+    assert protocol.WATCH not in [kind for kind, _ in station.link.sent]
+    station.command({"do": "record", "path": "scans.rec", "scans": True})
+    assert [payload[4] for kind, payload in station.link.sent if kind == protocol.WATCH] == [1]
+
+
 def test_a_full_disk_ends_the_recording_and_not_the_link(station, monkeypatch):
     station.command({"do": "record"})
     heard = []
