@@ -264,9 +264,17 @@ def test_the_worst_turn_counts_what_it_calls_and_the_bus():
     assert figures.worst(named, calls) == (pytest.approx(1.1), pytest.approx(1.0))
 
 
+def library(module):
+    """The firmware's file of a module."""
+    return scans.image.FIRMWARE / "lib" / (module.replace(".", "/") + ".py")
+
+
 def arguments(path, *names):
     """Names of a function's arguments and how many have defaults, found by way of classes in a source."""
     body = ast.parse(path.read_text()).body
+    for node in body:
+        if isinstance(node, ast.ImportFrom) and names[0] in [one.name for one in node.names]:
+            return arguments(library(node.module), *names)
     for name in names:
         found = next((node for node in body if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name == name), None)
         assert found is not None, f"{path}: no {name}"
@@ -280,8 +288,7 @@ def test_what_is_charged_for_takes_what_the_firmware_passes():
     for node in ast.parse(board.read_text()).body:
         if isinstance(node, ast.FunctionDef) and node.decorator_list:
             module, _, names = node.decorator_list[0].args[1].value.partition(":")
-            path = scans.image.FIRMWARE / "lib" / (module.replace(".", "/") + ".py")
-            ours, theirs = arguments(board, node.name), arguments(path, *names.split("."))
+            ours, theirs = arguments(board, node.name), arguments(library(module), *names.split("."))
             assert len(ours[0]) == len(theirs[0]) and ours[1] == theirs[1], f"charge.py: {node.name}({', '.join(ours[0])}) for {names}({', '.join(theirs[0])})"
 
 

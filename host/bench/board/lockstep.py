@@ -13,18 +13,10 @@ read back as they were written last.
 import struct
 from array import array
 
-import micropython
+from common import I2C_WRITE, PIN, PWM_DUTY, PWM_FREQUENCY, UART_OUTPUT, copy, later, load, since, store  # noqa: F401
 from micropython import const
 
-I2C_WRITE = const(1)
-PIN = const(2)
-PWM_DUTY = const(3)
-PWM_FREQUENCY = const(4)
-UART_OUTPUT = const(5)
-
 _HEADER = const(48)
-_MASK = const(0x3FFFFFFF)
-_HALF = const(0x20000000)
 
 now = 0  # us since the tape began; no tape reaches the clock's round of 2**30
 now_ms = 0
@@ -48,15 +40,6 @@ _chips = {}
 _pointer = {}
 
 
-@micropython.viper
-def copy(target: ptr8, at: int, source: ptr8, start: int, count: int):
-    """target[at:at + count] = source[start:start + count]."""
-    i = 0
-    while i < count:
-        target[at + i] = source[start + i]
-        i += 1
-
-
 def connect(path):
     """Open the tape."""
     global _tape, _inputs, _at
@@ -72,16 +55,6 @@ def attach(gpio, receiver):
     global _receiver
     if gpio == _inputs[4]:
         _receiver = receiver
-
-
-def later(ticks, duration):
-    """Ticks `duration` after others."""
-    return ticks + duration & _MASK
-
-
-def since(ticks, start):
-    """Signed ticks from `start` to `ticks`."""
-    return (ticks - start + _HALF & _MASK) - _HALF
 
 
 def advance(duration):
@@ -132,16 +105,6 @@ def note(kind, where, value, data, count):
 def read(address, buffer, count):
     """Registers as they were written."""
     copy(buffer, 0, _chips[address], _pointer[address], count)
-
-
-def store(file, source, start, count):
-    """Write source[start:start + count], bytes, to a file."""
-    file.write(source, start, count)
-
-
-def load(file, buffer, count):
-    """Read `count` bytes of a file into the buffer."""
-    file.readinto(buffer, count)
 
 
 def acknowledges(address):

@@ -41,7 +41,12 @@ _import = builtins.__import__
 _tested = 0
 _checked = 1  # points of the collision check that is prepared
 _stride = 1
-_sealed = 0  # bytes of the frame made last
+_idle = 0  # 1 while nothing is under way on the USB line
+_read = 0  # bytes taken in from it in this turn
+_composed = 0  # 1 when a line for the screen was composed in this turn
+_slice = 0  # of the cost to go: 0 lays the grid, 1 the trail; others close it, or let costs spread
+_closed = 0  # points that it has closed poses for
+_SLICE = const(26)  # closed at a time
 
 
 def settle():
@@ -255,6 +260,19 @@ _TAKE = const(32)
 _SCREEN = const(33)
 _BUILD = const(34)
 _SORT_NEAR = const(35)
+_IDLE = const(36)
+_ADD = const(37)
+_WHOLE = const(38)
+_OBEY = const(39)
+_TEXT = const(40)
+_DECISION = const(41)
+_WHEELS = const(42)
+_POINTS = const(43)
+_TOLD_HEALTH = const(44)
+_CANDIDATES = const(45)
+_SCAN = const(46)
+_GATHER = const(47)
+_LINE_CHECK = const(48)
 
 
 @_wraps(_CONFIG, "params.config:Config.__init__")
@@ -438,10 +456,19 @@ def _follow(self, odometry):
 
 @_wraps(_COST_TO_GO, "planner.cost_to_go:CostToGo.step")
 def _cost_to_go(self, odometry, points):
+    global _slice, _closed
     enter()
+    before = self.builds
     out = _originals[_COST_TO_GO](self, odometry, points)
     done()
-    leave(_COST_TO_GO, points.count, 1 if out else 0)
+    fresh = 0
+    if _slice > 1:
+        fresh = max(min(points.count - _closed, _SLICE), 0)
+        _closed += fresh
+    leave(_COST_TO_GO, fresh, 1 if _slice > 1 and not fresh else 0)
+    _slice += 1
+    if self.builds != before:
+        _slice = _closed = 0
     return out
 
 
@@ -496,23 +523,19 @@ def _health(self, now_us):
 def _link_frame(self, lidar):
     enter()
     _originals[_LINK_FRAME](self, lidar)
-    leave(_LINK_FRAME, lidar.n, 0)
+    leave(_LINK_FRAME, 0, 0)
 
 
 @_wraps(_LINK, "link.link:Link.update")
 def _link(self, now_us, robot):
-    global _sealed
     enter()
-    _sealed = 0
     _originals[_LINK](self, now_us, robot)
-    leave(_LINK, 1 if _sealed else 0, _sealed)
+    leave(_LINK, _idle, 0)
 
 
 @_wraps(_SEAL, "link.telemetry:Encoder.seal")
 def _seal(self, length):
-    global _sealed
     enter()
-    _sealed += length
     _originals[_SEAL](self, length)
     leave(_SEAL, length, 0)
 
@@ -529,18 +552,22 @@ def _line(self):
 
 @_wraps(_TAKE, "link.serial_line:SerialLine.take")
 def _take(self, now_us):
+    global _read
     enter()
+    _read = 0
     out = _originals[_TAKE](self, now_us)
-    leave(_TAKE, 1 if out else 0, 0)
+    leave(_TAKE, _read, 0)
     return out
 
 
 @_wraps(_SCREEN, "link.screen:Screen.update")
 def _screen(self, now_us, robot, link):
+    global _composed
     enter()
     before = given_out
+    _composed = 0
     _originals[_SCREEN](self, now_us, robot, link)
-    leave(_SCREEN, given_out - before, 0)
+    leave(_SCREEN, given_out - before, _composed)
 
 
 @_wraps(_BUILD, "core.start:build")
@@ -557,6 +584,115 @@ def _sort_near(self, px, py, n):
     enter()
     out = _originals[_SORT_NEAR](self, px, py, n)
     leave(_SORT_NEAR, n, 0)
+    return out
+
+
+@_wraps(_IDLE, "link.serial_line:SerialLine.idle")
+def _is_idle(self):
+    global _idle
+    enter()
+    out = _originals[_IDLE](self)
+    _idle = 1 if out else 0
+    leave(_IDLE, 0, 0)
+    return out
+
+
+@_wraps(_ADD, "link.telemetry:Decoder.add")
+def _add_byte(self, byte):
+    global _read
+    enter()
+    _read += 1
+    out = _originals[_ADD](self, byte)
+    leave(_ADD, 0, 0)
+    return out
+
+
+@_wraps(_WHOLE, "link.telemetry:Decoder.take")
+def _whole(self):
+    enter()
+    out = _originals[_WHOLE](self)
+    leave(_WHOLE, self.end if out else 0, 0)
+    return out
+
+
+@_wraps(_OBEY, "link.commands:Commands.obey")
+def _obey(self, line, now_us, robot):
+    enter()
+    out = _originals[_OBEY](self, line, now_us, robot)
+    leave(_OBEY, 0, 0)
+    return out
+
+
+@_wraps(_TEXT, "link.messages:text")
+def _text(kind, data, before, what):
+    enter()
+    out = _originals[_TEXT](kind, data, before, what)
+    leave(_TEXT, len(what), 0)
+    return out
+
+
+@_wraps(_DECISION, "link.messages:decision")
+def _decision(data, avoid, state, now_us, took_us):
+    enter()
+    out = _originals[_DECISION](data, avoid, state, now_us, took_us)
+    leave(_DECISION, 0, 0)
+    return out
+
+
+@_wraps(_WHEELS, "link.messages:wheels")
+def _wheels(data, drive, now_us):
+    enter()
+    out = _originals[_WHEELS](data, drive, now_us)
+    leave(_WHEELS, 0, 0)
+    return out
+
+
+@_wraps(_POINTS, "link.messages:points")
+def _points(data, avoid, now_us):
+    enter()
+    out = _originals[_POINTS](data, avoid, now_us)
+    leave(_POINTS, out, 0)
+    return out
+
+
+@_wraps(_TOLD_HEALTH, "link.messages:health")
+def _told_health(data, health, lidar, dropped, refused, radio):
+    enter()
+    out = _originals[_TOLD_HEALTH](data, health, lidar, dropped, refused, radio)
+    leave(_TOLD_HEALTH, 0, 0)
+    return out
+
+
+@_wraps(_CANDIDATES, "link.watched:candidates")
+def _candidates(data, avoid, mirroring, now_us):
+    enter()
+    out = _originals[_CANDIDATES](data, avoid, mirroring, now_us)
+    leave(_CANDIDATES, out, 0)
+    return out
+
+
+@_wraps(_SCAN, "link.watched:ScanGatherer.take")
+def _scan(self, data):
+    enter()
+    out = _originals[_SCAN](self, data)
+    leave(_SCAN, out, 0)
+    return out
+
+
+@_wraps(_GATHER, "link.watched:ScanGatherer.add")
+def _gather(self, lidar):
+    enter()
+    _originals[_GATHER](self, lidar)
+    leave(_GATHER, lidar.n, 0)
+
+
+@_wraps(_LINE_CHECK, "link.screen:crc16")
+def _line_check(data, start, end):
+    global _composed
+    enter()
+    _composed = 1
+    out = _originals[_LINE_CHECK](data, start, end)
+    leave(_LINE_CHECK, end - start, 0)
     return out
 
 

@@ -33,7 +33,7 @@ import struct
 import sys
 from array import array
 
-import micropython
+from common import I2C_WRITE, MASK, PIN, PWM_DUTY, PWM_FREQUENCY, UART_OUTPUT, copy, later, load, since, store  # noqa: F401
 from micropython import const
 
 _ADVANCE = const(1)
@@ -42,12 +42,6 @@ _FLUSH = const(3)
 _RESET = const(4)
 
 _WDT_RESET = const(3)
-
-I2C_WRITE = const(1)
-PIN = const(2)
-PWM_DUTY = const(3)
-PWM_FREQUENCY = const(4)
-UART_OUTPUT = const(5)
 
 _REPLY = const(1024)
 _SHORT = const(256)
@@ -68,9 +62,6 @@ _FIRST_CHUNK = const(15)
 _CHUNKS = const(4)
 _CHUNK = const(4)
 _BITS = const(10)  # of a byte on the wire
-
-_MASK = const(0x3FFFFFFF)
-_HALF = const(0x20000000)
 
 now = 0  # us since the board started, modulo 2**30
 now_ms = 0  # ms since the board started, modulo 2**30
@@ -94,15 +85,6 @@ _from_twin = None
 _seen = -1
 
 
-@micropython.viper
-def copy(target: ptr8, at: int, source: ptr8, start: int, count: int):
-    """target[at:at + count] = source[start:start + count], without the objects that slices would make."""
-    i = 0
-    while i < count:
-        target[at + i] = source[start + i]
-        i += 1
-
-
 def connect(source, sink, ticks, started_by):
     """Open the two pipes to the twin and learn the state of the inputs.
 
@@ -112,8 +94,8 @@ def connect(source, sink, ticks, started_by):
     _from_twin = open(source, "rb")
     _to_twin = open(sink, "wb")
     cause = started_by
-    now, rounds = ticks & _MASK, ticks >> 30
-    now_ms, _part_us = ticks // 1000 & _MASK, ticks % 1000
+    now, rounds = ticks & MASK, ticks >> 30
+    now_ms, _part_us = ticks // 1000 & MASK, ticks % 1000
     _exchange(_FLUSH, 0, 0, 0)
 
 
@@ -121,21 +103,6 @@ def attach(gpio, receiver):
     """`receiver.put(buffer, start, count)` gets the bytes that arrive on the pin at its `baudrate`."""
     deliver()
     _receivers[gpio] = receiver
-
-
-def later(ticks, duration):
-    """Ticks `duration` (signed, less than 2**29) after others, without a number of more than 31 bits on the way."""
-    return (ticks - _HALF + duration & _MASK) ^ _HALF
-
-
-def since(ticks, start):
-    """Signed ticks from `start` to `ticks`."""
-    ticks -= start
-    if ticks >= _HALF:
-        return ticks - _HALF - _HALF
-    if ticks < -_HALF:
-        return ticks + _HALF + _HALF
-    return ticks
 
 
 def advance(duration):
@@ -308,24 +275,8 @@ if sys.implementation.name == "micropython":
     def _send(count):
         _to_twin.write(_request, count)
 
-    def store(file, source, start, count):
-        """Write source[start:start + count], bytes, to a file."""
-        file.write(source, start, count)
-
-    def load(file, buffer, count):
-        """Read `count` bytes of a file into the buffer."""
-        file.readinto(buffer, count)
-
 else:
 
     def _send(count):
         _to_twin.write(_view[:count])
         _to_twin.flush()
-
-    def store(file, source, start, count):
-        """Write source[start:start + count], bytes, to a file."""
-        file.write(memoryview(source).cast("B")[start : start + count])
-
-    def load(file, buffer, count):
-        """Read `count` bytes of a file into the buffer."""
-        file.readinto(memoryview(buffer)[:count])
