@@ -227,6 +227,7 @@ class Lidar:
 
     After `poll` returned True:
       n             points in the frame, 0..80
+      place         which frame of the revolution it is, 0..frames a revolution - 1
       bearings      array('H', 80), 0.1 deg clockwise from forward, 0..3599
       distances     array('H', 80), quarter mm, 0 = no return
       signals       bytearray(80)
@@ -354,6 +355,7 @@ class Lidar:
         else:
             self.frame_us = ticks_add(read_us, -wire)
         state[_ANGLE] = angle
+        self.place = (angle + (state[_WIDTH] >> 1)) // state[_WIDTH] % state[_FRAMES]
         state[_HEARD] = 1
         state[_HEARD_US] = read_us
         self.n = state[_COUNT] = size // 3

@@ -15,11 +15,11 @@ _MANUAL = const(14)  # reasons.MANUAL
 class Robot:
     """The parts, joined; buses and pins were handed to them by core/start.py.
 
-    avoid: Avoid; lidar: Lidar; drive: Drive; health: Health or None; link: Link or None (then it drives on its own); screen: Screen or None.
+    avoid: Avoid; lidar: Lidar; drive: Drive; health: Health or None; link: Link or None (then it drives on its own); screen: Screen or None; trust: ScanTrust.
     took_us: computing time of the slices of the latest decision.
     """
 
-    def __init__(self, config, avoid, lidar, drive, health=None, link=None, screen=None):
+    def __init__(self, config, avoid, lidar, drive, health=None, link=None, screen=None, trust=None):
         self.config = config
         self.avoid = avoid
         self.lidar = lidar
@@ -28,6 +28,7 @@ class Robot:
         self.link = link
         self.screen = screen
         self.odometry = Odometry(config)
+        self.trust = trust
         self.took_us = 0
         self._slices_us = 0
         self._slices = 0  # of the decision, still to be made before the next frame
@@ -45,18 +46,23 @@ class Robot:
         avoid = self.avoid
         odometry = self.odometry
         link = self.link
+        trust = self.trust
         seen = False
         owed = self._owed
         odometry.advance(now, drive)
         while not owed and lidar.poll(now):
-            avoid.frame(lidar, odometry)
             if link is not None:
                 link.frame(lidar)
+            if trust is not None:
+                trust.frame(lidar, odometry, drive.told_v256)
+            avoid.frame(lidar, odometry)
             seen = True
         state = telemetry.AUTO if link is None else link.state
         due = drive.due(now) and not seen
         self._owed = False
         if self.health is not None and not self.health.check(now):
+            self._stand(_FAULT, seen)
+        elif trust is not None and trust.fault:
             self._stand(_FAULT, seen)
         elif state == telemetry.STOPPED:
             self._stand(_STOPPED, seen)
@@ -110,6 +116,7 @@ class Robot:
         done = avoid.step(self.odometry)
         self._slices_us += ticks_diff(ticks_us(), began)
         if done:
-            self.drive.command(avoid.af, avoid.ar, avoid.v)
+            most = 90 if self.trust is None else self.trust.most
+            self.drive.command(avoid.af, avoid.ar, min(max(avoid.v, 90 - most), 90 + most))
             self.took_us = self._slices_us
             self._slices_us = 0

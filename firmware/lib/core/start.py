@@ -99,9 +99,15 @@ def _link(config, wlan, remark):
 def _lidar(config, line, motor):
     from lidar import Lidar
 
-    lidar = Lidar(line, motor, config)
+    return Lidar(line, motor, config)
+
+
+def _trust(config):
+    from perception.scan_trust import ScanTrust
+
+    trust = ScanTrust(config)
     unload("perception.build")
-    return lidar
+    return trust
 
 
 def _robot(config, avoid, drive, link, lidar, button, adc, screen_line):
@@ -116,4 +122,4 @@ def _robot(config, avoid, drive, link, lidar, button, adc, screen_line):
 
         screen = Screen(screen_line, config.screen_kind, config.screen_baud)
         unload("link.reason_texts", "link.screen_dialects")
-    return Robot(config, avoid, lidar, drive, health, link, screen)
+    return Robot(config, avoid, lidar, drive, health, link, screen, _trust(config))

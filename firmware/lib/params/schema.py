@@ -64,6 +64,7 @@ BOOT = """
 ["lidar.y", "int", 0, -1500, 1500, "mm", "lidar ahead of the body's centre"]
 ["lidar.near", "int", 200, 50, 1000, "mm", "no nearer reading is used: the lidar does not see so near"]
 ["lidar.far", "int", 8000, 1000, 16000, "mm", "no farther reading is used"]
+["lidar.returns", "int", 20, 0, 100, "%", "least share of the beams that come back in a revolution; 0, for open halls: what does not come back is free"]
 ["lidar.speed", "int", 6.6, 4, 10, "r/s", "revolutions held by the motor control"]
 ["lidar.motor_pin", "pin", 27, 0, 33, "", "PWM of the lidar's motor, none where it keeps its own speed"]
 ["lidar.motor_frequency", "int", 20000, 100, 40000, "Hz", "PWM frequency of the lidar's motor"]

@@ -1,4 +1,4 @@
-"""What the constructors of lidar, map and windows do. Needed once, at the start: then it is unloaded, and leaves its room to the robot."""
+"""What the constructors of lidar, scan trust, map and windows do. Needed once, at the start: then it is unloaded, and leaves its room to the robot."""
 
 from array import array
 
@@ -14,13 +14,15 @@ _CAPACITY = const(320)  # local_map.py
 _HASH = const(512)
 _MOST_GONE = const(16)
 _KEPT = const(240)
+_ROW = const(7)  # scan_trust.py
+_CLEAR = const(60)  # mm from the outline: the border of what is unknown comes no nearer, or there would be no way out
 
 
 def lidar(self, uart, motor_pwm, config):
     """Fields of a Lidar."""
     self._uart = uart
     self._motor = motor_pwm
-    self.n = self.frame_us = self.speed20 = self.frames = self.speed_faults = self.overflows = self._motor_sum = 0
+    self.n = self.place = self.frame_us = self.speed20 = self.frames = self.speed_faults = self.overflows = self._motor_sum = 0
     self.ok = False
     self.bearings = array("H", bytes(2 * _MAX_POINTS))
     self.distances = array("H", bytes(2 * _MAX_POINTS))
@@ -37,6 +39,18 @@ def lidar(self, uart, motor_pwm, config):
             config.lidar_speed20, config.lidar_rxbuf, 10_000_000_000 // config.lidar_baud, 20_000_000 // frames, 0,
         ],
     )  # fmt: skip
+
+
+def scan_trust(self, config):
+    """Fields of a ScanTrust."""
+    self._rows = array("H", bytes(2 * _ROW * config.lidar_frames))
+    half = config.robot_length // 2 + _CLEAR
+    # In the order of the places in scan_trust.py
+    self._state = array(
+        "i",
+        (4 * config.lidar_near, 4 * config.lidar_far, 0, 0, 0, config.lidar_returns, 0, 0, 0, 0, 0)
+        + (max(half - config.lidar_y, 0), max(half + config.lidar_y, 0), config.lidar_frames, 0, 0),
+    )
 
 
 def local_map(self, config):
