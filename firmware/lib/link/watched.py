@@ -69,13 +69,17 @@ def candidates(data, avoid, mirroring, now_us):
     if mirroring & 2:
         af, ar = -ar, -af
     chosen = 255
-    for k in range(count):
-        if found.af[k] == af and found.ar[k] == ar:
+    front, rear = found.af, found.ar  # read once: this takes the longest of all that is told
+    k = count
+    while k:
+        k -= 1
+        if front[k] == af and rear[k] == ar:
             chosen = k
+            break
     data[_TYPE] = _CANDIDATES
     pack_into("<IBBB", data, _AT, now_us & _TIME, mirroring, chosen, count)
     at = _AT + _CANDIDATES_SIZE
-    copy(found.af, 0, 2 * count, data, at)
-    copy(found.ar, 0, 2 * count, data, at + 2 * count)
+    copy(front, 0, 2 * count, data, at)
+    copy(rear, 0, 2 * count, data, at + 2 * count)
     copy(avoid.free_of[mirroring], 0, 2 * count, data, at + 4 * count)
     return _CANDIDATES_SIZE + 6 * count
