@@ -198,7 +198,7 @@ def test_a_trim_is_told_while_it_is_dragged(monitor):
 def test_a_drive_is_recorded_and_replayed(monitor, tmp_path):
     path = tmp_path / "drive.rec"
     page = monitor("twin:z?width=620", "--record", str(path))
-    assert page.until(lambda: page.text("place"))
+    assert page.until(lambda: page.speeds() and max(page.speeds()) > 100)  # it drives by now, on a busy computer as well
     time.sleep(3)
     page.process.terminate()
     page.process.wait(10)
