@@ -178,7 +178,7 @@ def _take(buffer, state: ptr32) -> int:
 
 
 @micropython.viper
-def _unpack(store: ptr8, state: ptr32, bearings: ptr16, distances: ptr16, signals: ptr8):
+def _unpack(state: ptr32, store: ptr8, distances: ptr16, bearings: ptr16, signals: ptr8):
     """The points of the frame taken last into the three arrays.
 
     Their bearings are summed up in 0.1 deg / 2**17, so that no point needs a division. A point without signal has no distance either.
@@ -359,7 +359,7 @@ class Lidar:
         state[_HEARD] = 1
         state[_HEARD_US] = read_us
         self.n = state[_COUNT] = size // 3
-        _unpack(store, state, self.bearings, self.distances, self.signals)
+        _unpack(state, store, self.distances, self.bearings, self.signals)
         self.frames = (self.frames + 1) & _COUNTER
         if good < _TRUST_FRAMES:
             state[_GOOD] = good = good + 1

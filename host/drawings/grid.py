@@ -139,6 +139,6 @@ def in_mm(grid):
     t, j, i = np.indices(grid.closed.shape).reshape(3, -1)
     poses = np.column_stack([i * cell + cell // 2 + 65536, j * cell + cell // 2 + 65536, t * 150]).ravel()
     words = array("i", poses.tolist())
-    sample(grid.bytes, words, len(i), cell)
+    sample(cell, words, len(i), grid.bytes)
     mm = np.array(words[::3], float).reshape(grid.closed.shape)
     return np.where(mm == _NOWHERE, np.nan, mm)

@@ -44,7 +44,7 @@ class _Case:
             marks[pose // _N] |= 1 << pose % _N
         turning = (20, 16, 4, 0) if self.aws else (24, 16, 6, 1)
         job = array("i", (0, 0, 0, 255, self.sense, self.shift) + turning)
-        while not propagate(cost, self.closed, self.near, self.revisit, marks, self.primitives, job, budget):
+        while not propagate(job, marks, budget, cost, self.closed, self.near, self.revisit, self.primitives):
             pass
         assert not any(marks)
         return cost

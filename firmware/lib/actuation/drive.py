@@ -62,15 +62,6 @@ def _follow(positions: ptr16, goals: ptr16, count: int, step: int) -> int:
     return largest
 
 
-@micropython.viper
-def _fill(past: ptr16, af: int, ar: int):
-    k = 0
-    while k < 2 * _HISTORY:
-        past[k] = af & 0xFFFF
-        past[k + 1] = ar & 0xFFFF
-        k += 2
-
-
 class Drive:
     """Drives the wheels of one robot.
 
@@ -261,7 +252,9 @@ class Drive:
         elif _follow(self._positions, aim.angles, self._wheels, self._step) == 0:
             self._swinging = False
             self.turning = False
-            _fill(self._past, aim.af, aim.ar)
+            for k in range(0, 2 * _HISTORY, 2):
+                self._past[k] = aim.af
+                self._past[k + 1] = aim.ar
 
     def _accelerate(self):
         """The motors' next set point."""

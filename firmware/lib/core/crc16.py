@@ -20,10 +20,9 @@ def crc16(data: ptr8, start: int, end: int) -> int:
     """
     table = ptr16(TABLE)
     value = 0xFFFF
-    i = start
-    while i < end:
-        value = value ^ data[i]
+    while start < end:
+        value = value ^ data[start]
         value = (value >> 4) ^ table[value & 15]
         value = (value >> 4) ^ table[value & 15]
-        i += 1
+        start += 1
     return value

@@ -74,7 +74,7 @@ while _range < 8000:  # the memory of the longest body reaches 5300 mm
 
 @micropython.viper
 def insert(
-    bearings: ptr16, distances: ptr16, n: int, state: ptr32, fx: ptr16, fy: ptr16, seen: ptr8, travel: ptr8, index: ptr16,
+    state: ptr32, fx: ptr16, fy: ptr16, index: ptr16, bearings: ptr16, distances: ptr16, n: int, seen: ptr8, travel: ptr8,
     x: int, y: int, h: int, step_x: int, step_y: int, step_h: int,
 ):  # fmt: skip
     """Put the points of one frame on the floor, each from where the body was then: the scan rolls while the robot moves.
@@ -361,7 +361,7 @@ def drop(state: ptr32, fx: ptr16, fy: ptr16, seen: ptr8, travel: ptr8, index: pt
 
 
 @micropython.viper
-def _view(state: ptr32, fx: ptr16, fy: ptr16, x: int, y: int, s: int, c: int, reach: int, bx: ptr16, by: ptr16) -> int:
+def _view(reach: int, s: int, c: int, state: ptr32, fx: ptr16, fy: ptr16, x: int, y: int, bx: ptr16, by: ptr16) -> int:
     """Body-frame view of the points within reach: mm + 8192. Returns their number."""
     count = state[_COUNT]
     n = 0
@@ -446,7 +446,7 @@ class LocalMap:
         turned //= 10
         # Steps from point to point in 2**-13, and n of these units to start with: so rounding down hits what a division would give.
         insert(
-            lidar.bearings, lidar.distances, n, state, self.x, self.y, self._seen, self._travel, self._index,
+            state, self.x, self.y, self._index, lidar.bearings, lidar.distances, n, self._seen, self._travel,
             (x << 13) + n, (y << 13) + n, ((first + 5) << 13) + n,
             ((((x1 - x) & 0xFFFF ^ _HALF) - _HALF) << 13) // n, ((((y1 - y) & 0xFFFF ^ _HALF) - _HALF) << 13) // n, (turned << 13) // n,
         )  # fmt: skip
@@ -485,4 +485,4 @@ class LocalMap:
 
         x, y, heading: the body, 1/8 mm and 0.1 deg.
         """
-        return _view(self._state, self.x, self.y, x & 0xFFFF, y & 0xFFFF, sin14(heading), cos14(heading), reach, bx, by)
+        return _view(reach, sin14(heading), cos14(heading), self._state, self.x, self.y, x & 0xFFFF, y & 0xFFFF, bx, by)

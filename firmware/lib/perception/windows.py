@@ -43,7 +43,7 @@ _BODY_ZERO = const(8192)  # added to coordinates of the body frame, mm
 
 
 @micropython.viper
-def _sort(px: ptr16, py: ptr16, n: int, size: ptr32, window: ptr8, classify: int) -> int:
+def _sort(size: ptr32, px: ptr16, py: ptr16, n: int, window: ptr8, classify: int) -> int:
     """Bring the points nearer to the outline than the band to the front; returns how many.
 
     With `classify` the window of each goes to window, in the same order, and the nearest in any window to size.
@@ -127,7 +127,7 @@ class Windows:
     def sort(self, px, py, n):
         """Classify n points and bring the near ones to the front. Returns `urgent`."""
         size = self._size
-        self.near = _sort(px, py, n, size, self.window, 1)
+        self.near = _sort(size, px, py, n, self.window, 1)
         gap = size[_GAP] - _GAP_ZERO
         if gap == -_GAP_ZERO:
             self.urgent = NONE
@@ -141,7 +141,7 @@ class Windows:
 
     def sort_near(self, px, py, n):
         """Bring the near ones of n points to the front, and return how many; what `sort` found stays."""
-        return _sort(px, py, n, self._size, self.window, 0)
+        return _sort(self._size, px, py, n, self.window, 0)
 
     def zone(self):
         """Zone of the point nearest to the body of those in a window; NO_ZONE if there is none."""

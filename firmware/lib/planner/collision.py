@@ -54,7 +54,7 @@ _NONE = const(65535)
 
 
 @micropython.viper
-def drop_behind(px: ptr16, py: ptr16, near: int, n: int, limit: int, left: int) -> int:
+def drop_behind(n: int, px: ptr16, py: ptr16, near: int, limit: int, left: int) -> int:
     """Bring the points more than limit mm behind the centre, or left mm to its left, to the end; returns how many remain before them.
 
     On a forward candidate every part of the body moves forward, so nothing behind its rear can be met; and on one that turns
@@ -86,7 +86,7 @@ def mirror(p: ptr16, n: int):
 
 
 @micropython.viper
-def move(px: ptr16, py: ptr16, n: int, x: int, y: int, s: int, c: int, reach: int, qx: ptr16, qy: ptr16, every: int) -> int:
+def move(reach: int, s: int, c: int, px: ptr16, py: ptr16, n: int, x: int, y: int, qx: ptr16, qy: ptr16, every: int) -> int:
     """The points as seen from a pose (x, y mm, heading by sine and cosine * 2**14), those within reach mm; of each `every` one."""
     m = 0
     i = 0
@@ -194,7 +194,7 @@ def _rings(job: ptr32, x: int, y: int):
 
 
 @micropython.viper
-def _sweep_arcs(points_x, points_y, jobs, consts: ptr16, table: ptr16, seconds: ptr16, free: ptr16, soft: ptr16, blocker: ptr16):
+def _sweep_arcs(consts: ptr16, jobs, points_x, points_y, table: ptr16, seconds: ptr16, free: ptr16, soft: ptr16, blocker: ptr16):
     """Free length of the arc candidates job[_FIRST]..job[_LAST]-1 against the points.
 
     free: mm until a point comes within the margin (a point already nearer may come 2 mm nearer);
@@ -341,7 +341,7 @@ def _sweep_arcs(points_x, points_y, jobs, consts: ptr16, table: ptr16, seconds: 
 
 
 @micropython.viper
-def _sweep_strips(points_x, points_y, jobs, strips: ptr32, free: ptr16, soft: ptr16, blocker: ptr16):
+def _sweep_strips(strips: ptr32, jobs, points_x, points_y, free: ptr16, soft: ptr16, blocker: ptr16):
     """As _sweep_arcs, for straight and crab candidates; results follow those of the arcs (index job[_FIRST]..)."""
     px = ptr16(points_x)
     py = ptr16(points_y)
@@ -425,9 +425,9 @@ class CollisionCheck:
             job[_FIRST] = first
             job[_LAST] = last if last < arcs else arcs
             job[_ARC] = 1
-            _sweep_arcs(px, py, job, candidates.consts, candidates.table, candidates.seconds, free, soft, block)
+            _sweep_arcs(candidates.consts, job, px, py, candidates.table, candidates.seconds, free, soft, block)
         if last > arcs:
             job[_FIRST] = first if first > arcs else arcs
             job[_LAST] = last
             job[_ARC] = 0
-            _sweep_strips(px, py, job, candidates.strips, free, soft, block)
+            _sweep_strips(candidates.strips, job, px, py, free, soft, block)

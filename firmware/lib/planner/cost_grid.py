@@ -35,7 +35,7 @@ def fill(words: ptr16, n: int, value: int):
 
 
 @micropython.viper
-def cover(revisit: ptr8, trail: ptr16, job: ptr32, first: int, last: int):
+def cover(job: ptr32, first: int, revisit: ptr8, trail: ptr16, last: int):
     """Make the places within the radius of each point first..last-1 of the trail more expensive, each time anew."""
     cell = job[_CELL]
     radius = job[_RADIUS]
@@ -76,7 +76,7 @@ def cover(revisit: ptr8, trail: ptr16, job: ptr32, first: int, last: int):
 
 
 @micropython.viper
-def close(closed: ptr32, near: ptr32, masks: ptr8, seen: ptr32, fx: ptr16, fy: ptr16, first: int, last: int, most: int, job: ptr32) -> int:
+def close(first: int, job: ptr32, seen: ptr32, closed: ptr32, near: ptr32, masks: ptr8, fx: ptr16, fy: ptr16, last: int, most: int) -> int:
     """Close the poses whose outline covers one of the points first..last-1, and mark in `near` those whose full outline does.
 
     A point is taken to the half cell it lies in (seen: those that had one already). The footprint mask of the half cell (footprint_masks.py) says for each orientation and

@@ -45,7 +45,7 @@ _UNIT_NAWS = const(3)
 
 
 @micropython.viper
-def sample(cost: ptr8, poses: ptr32, n: int, cell: int):
+def sample(cell: int, poses: ptr32, n: int, cost: ptr8):
     """Cost at n poses, mm, put in the place of their x: trilinear between the grid's. 20000 where a pose is closed, or beyond the grid.
 
     poses: x, y from the grid's corner (1/8 mm) + 2**16, heading (0.1 deg), none negative.
@@ -203,10 +203,10 @@ class CostToGo:
         elif stage == 1:
             # Ground covered becomes expensive, more each time; not what the body still stands on.
             first = self._laid - _TRAIL
-            cover(self._revisit, self._trail, job, first if first > 0 else 0, self._laid - _TRAIL_GAP)
+            cover(job, first if first > 0 else 0, self._revisit, self._trail, self._laid - _TRAIL_GAP)
             self._k = 0
         elif stage == 2:
-            self._k = close(self._closed, self._near, self._masks, self._marks, points.x, points.y, self._k, points.count, _POINTS, job)
+            self._k = close(self._k, job, self._marks, self._closed, self._near, self._masks, points.x, points.y, points.count, _POINTS)
             if self._k < points.count:
                 return False
         elif stage == 3:
@@ -217,7 +217,7 @@ class CostToGo:
             wave[3] = _OUT
             wave[4] = sense if wave[9] else 0
         else:
-            if not propagate(self.cost, self._closed, self._near, self._revisit, self._marks, self._primitives, self._wave, _WORK):
+            if not propagate(self._wave, self._marks, _WORK, self.cost, self._closed, self._near, self._revisit, self._primitives):
                 return False
             self._stage = 0
             self.builds += 1
@@ -235,5 +235,5 @@ class CostToGo:
         pose[0] = u + 65536
         pose[1] = v + 65536
         pose[2] = heading % 1800
-        sample(self.cost, pose, 1, grid[_GRID_CELL])
+        sample(grid[_GRID_CELL], pose, 1, self.cost)
         return pose[0]

@@ -51,4 +51,4 @@ class FreeWays:
         """Bring the points that no candidate can meet to the end; returns how many are before them."""
         env = self.candidates
         self.ordered = False
-        return drop_behind(self.x, self.y, self.near, self.n, env.half_length + env.soft, self.swing)
+        return drop_behind(self.n, self.x, self.y, self.near, env.half_length + env.soft, self.swing)

@@ -23,22 +23,9 @@ _NEXT = bytes((57, 1, 30, 28, 58, 56, 2, 0))
 
 
 @micropython.viper
-def _exit(cost: ptr8, next_places: ptr8, x: int, y: int, t: int) -> int:
-    """The pose of the grid at which the costs leave it from orientation t at the corner between four places, of which x, y is the last.
-
-    Each time on to the cheapest next one; -1 if all four are closed.
-    """
-    least = _OUT
-    at = 0
-    d = 0
-    while d < 4:
-        i = (t * _N + y - (d >> 1)) * _N + x - (d & 1)
-        if cost[i] < least:
-            least = cost[i]
-            at = i
-        d += 1
-    if least == _OUT:
-        return -1
+def _exit(at: int, cost: ptr8, next_places: ptr8) -> int:
+    """The pose of the grid at which the costs leave it from pose `at`: each time on to the cheapest next one. -1 if they do not."""
+    least = int(cost[at])
     while True:
         row = at // _N
         x = at - row * _N
@@ -74,8 +61,16 @@ def choose(cost, x, y, heading):
     """
     if not (1 < x < _N - 1 and 1 < y < _N - 1):
         return 0
-    found = _exit(cost, _NEXT, x, y, (heading + 75) // 150 % _TURNS)
-    if found < 0:
+    # from the cheapest of the four places at the corner
+    least = _OUT
+    last = ((heading + 75) // 150 % _TURNS * _N + y) * _N + x
+    for place in (last, last - 1, last - _N, last - _N - 1):
+        if cost[place] < least:
+            least = cost[place]
+            found = place
+    if least < _OUT:
+        found = _exit(found, cost, _NEXT)
+    if least == _OUT or found < 0:
         return 0
     x = 2 * (found % _N - x) + 1
     y = 2 * (found // _N % _N - y) + 1

@@ -55,7 +55,7 @@ def in_a_slice(n):
 
 
 @micropython.viper
-def _score(cost, ends: ptr16, turns: ptr16, af: ptr16, ar: ptr16, lengths: ptr16, free: ptr16, soft: ptr16, score: ptr16, checked: ptr8, job: ptr32, poses):
+def _score(job: ptr32, lengths: ptr16, free: ptr16, soft: ptr16, score: ptr16, checked: ptr8, poses, cost, ends: ptr16, turns: ptr16, af: ptr16, ar: ptr16):
     """What each travel of each candidate costs: score[5 k + i] = travel + cost to go of the pose where it ends + cost of the steering, mm.
 
     For each candidate: what its points cost; the poses where its travels end, in the grid; what the cost to go is there; then the sums. 65535 where the travel is
@@ -103,7 +103,7 @@ def _score(cost, ends: ptr16, turns: ptr16, af: ptr16, ar: ptr16, lengths: ptr16
             n += 1
             p += 3
             at += 1
-        sample(cost, poses, n, job[_CELL])
+        sample(job[_CELL], poses, n, cost)
         # Driven backward the other end leads: front and rear change places, and what was right is left.
         x = (af[k] ^ 0x8000) - 0x8000
         y = (ar[k] ^ 0x8000) - 0x8000
@@ -143,21 +143,21 @@ def best(score: ptr16, first: int, last: int, stride: int) -> int:
     """Number of the move with the lowest score, of candidates first, first + stride, ... before last; NOTHING if none is possible."""
     best = 65534
     pick = 65535
-    k = first
-    while k < last:
-        i = 0
-        while i < 5:
-            v = score[k * 5 + i]
+    while first < last:
+        at = first * 5
+        end = at + 5
+        while at < end:
+            v = score[at]
             if v < best:
                 best = v
-                pick = k * 5 + i
-            i += 1
-        k += stride
+                pick = at
+            at += 1
+        first += stride
     return pick
 
 
 @micropython.viper
-def suppress(score: ptr16, ends: ptr16, turns: ptr16, lengths: ptr16, last: int, at: int, radius: int, reach: int):
+def suppress(last: int, at: int, ends: ptr16, turns: ptr16, lengths: ptr16, score: ptr16, radius: int, reach: int):
     """Take out the travels that end within radius of where travel `at` ends, of the first `last`; a turn counts as the way of the body's ends."""
     x0 = ends[at * 2]
     y0 = ends[at * 2 + 1]
@@ -239,7 +239,7 @@ class MoveCost:
 
     def _run(self, free, soft, scores):
         env = self._candidates
-        _score(self.cost_to_go.cost, env.ends, env.turns, env.af, env.ar, env.lengths, free, soft, scores, self.checked, self._job, self._poses)
+        _score(self._job, env.lengths, free, soft, scores, self.checked, self._poses, self.cost_to_go.cost, env.ends, env.turns, env.af, env.ar)
 
     def score(self, mirroring, free, soft, scores, first, last, stride, af, ar, extra):
         """Fill the scores of candidates first, first + stride, ... before last in a mirroring.

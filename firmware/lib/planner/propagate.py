@@ -38,7 +38,7 @@ FIELDS = const(10)
 
 
 @micropython.viper
-def propagate(cost: ptr8, closed: ptr32, near: ptr32, revisit: ptr8, fallen: ptr32, primitives: ptr16, job: ptr32, budget: int) -> int:
+def propagate(job: ptr32, fallen: ptr32, budget: int, cost: ptr8, closed: ptr32, near: ptr32, revisit: ptr8, primitives: ptr16) -> int:
     """Go on for about `budget` units of work; returns 1 when nothing is left to do. Sets of primitives: primitives.py, primitives_naws.py."""
     limit = job[_LIMIT]
     row = job[_ROW]

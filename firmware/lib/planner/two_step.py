@@ -59,7 +59,7 @@ class TwoStep:
         self.candidate[n] = number // LENGTHS
         self.length[n] = env.lengths[number % LENGTHS]
         self.costs[n] = least
-        suppress(self.scores[mirroring], env.ends, env.turns, env.lengths, env.count * LENGTHS, number, env.look_ahead // 12, env.half_length)
+        suppress(env.count * LENGTHS, number, env.ends, env.turns, env.lengths, self.scores[mirroring], env.look_ahead // 12, env.half_length)
         self.count = self._coarse = n + 1
         return self.count == _COARSE
 
@@ -101,14 +101,14 @@ class TwoStep:
         if fine or not self._left:
             env.travel(self.mirroring[at], self.candidate[at], self.length[at])
             turn = env.end_turn
-            self.n = move(ways.x, ways.y, ways.n, env.end_x, env.end_y, sin14(turn), cos14(turn), env.lengths[3] + env.half_length, x, y, 2)
+            self.n = move(env.lengths[3] + env.half_length, sin14(turn), cos14(turn), ways.x, ways.y, ways.n, env.end_x, env.end_y, x, y, 2)
             self.near = ways.windows.sort_near(x, y, self.n)
             cost = self.move_cost.stand_at(env.end_x, env.end_y, turn)
             if not fine:
                 self.costs[at] -= cost  # that of the second move's end takes its place
         if self._left:
             mirror(x, self.n)
-        self.ahead = drop_behind(x, y, self.near, self.n, env.half_length + env.soft, ways.swing)
+        self.ahead = drop_behind(self.n, x, y, self.near, env.half_length + env.soft, ways.swing)
 
     def _try_some(self):
         """Check and score the next second moves, and keep the best pair. Returns the candidate after them."""
