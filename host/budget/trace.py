@@ -22,7 +22,7 @@ import numpy as np
 
 from host import micropython
 from host.bench import machine_code
-from host.flash import build
+from host.boards import build
 from host.link import messages
 from host.twin import courses, image
 from host.twin.delta2b import Delta2B

@@ -2,7 +2,6 @@
 
 ports     which serial port
 image     the stock MicroPython image, with its hash
-build     firmware/ -> the files of the board
 tools     runs esptool and mpremote, and says what to do when they fail
 chip      what kind of ESP32 it is, and which pins it needs for itself
 rom       the chip's ROM loader: erase, write, read

@@ -15,9 +15,8 @@ try:
     from . import flow, ports
 except ImportError as error:
     sys.exit(f"{error.name} is not installed for this Python; run `make setup` and use .venv/bin/python")
+from host.boards.errors import FlashError
 from host.version import add_version
-
-from .errors import FlashError
 
 
 def main(argv: list[str] | None = None) -> int:

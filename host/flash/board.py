@@ -5,10 +5,11 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from host.boards.build import BoardFile
+from host.boards.errors import FlashError
+
 from . import tools
-from .build import BoardFile
 from .chip import PACKAGES, Chip
-from .errors import FlashError
 
 # One round trip for all there is to know: who the board is, how much room it has, and the SHA-256 of every file
 _SURVEY = """

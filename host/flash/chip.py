@@ -3,7 +3,7 @@
 import json
 from dataclasses import dataclass
 
-from .errors import FlashError
+from host.boards.errors import FlashError
 
 # By the package number in the eFuses (ESP32 Technical Reference Manual, EFUSE_BLK0_RDATA3; esptool's names)
 PACKAGES = {

@@ -6,11 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from host.boards import build, places
+from host.boards.errors import FlashError
 from host.budget import fit
 
-from . import board, build, hello, image, keep, places, rescue, rom, tools
+from . import board, hello, image, keep, rescue, rom, tools
 from .chip import Chip, check_pins, remarks
-from .errors import FlashError
 
 KEY_FILE = "network.key"  # firmware/lib/link/auth.py
 
@@ -209,7 +210,7 @@ def _put_key(job: Job) -> str:
     if digest and keep.knows_key(identity, digest):
         return f"known: {places.key_path(identity)}"
     key = board.pull(job.port, KEY_FILE) if digest else b""
-    learnt = len(key) == keep.KEY_SIZE
+    learnt = len(key) == places.KEY_SIZE
     if not learnt:  # an empty or short one could be guessed: neither side takes it
         key = keep.new_key()
     path = keep.save_key(key, identity)

@@ -8,9 +8,9 @@ import time
 import serial
 
 from host import compat
+from host.boards.errors import FlashError
 
 from . import tools
-from .errors import FlashError
 
 BAUD = 115200  # of the ROM's messages and of MicroPython's prompt
 PATIENCE = 3.0  # s for a running program to give way to the prompt

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from .errors import FlashError
+from host.boards.errors import FlashError
 
 
 @dataclass(frozen=True)

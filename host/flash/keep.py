@@ -8,10 +8,7 @@ import time
 from pathlib import Path
 
 from host import compat
-
-from . import places
-
-KEY_SIZE = 32  # bytes
+from host.boards import places
 
 
 def backup(settings: bytes, board: str) -> Path:
@@ -70,7 +67,7 @@ def _keys(settings: dict, prefix: str = "") -> set[str]:
 
 
 def new_key() -> bytes:
-    return secrets.token_bytes(KEY_SIZE)
+    return secrets.token_bytes(places.KEY_SIZE)
 
 
 def save_key(key: bytes, board: str) -> Path:
@@ -90,4 +87,4 @@ def knows_key(board: str, sha256: str) -> bool:
     if not path.exists():
         return False
     key = path.read_bytes()
-    return len(key) == KEY_SIZE and hashlib.sha256(key).hexdigest() == sha256
+    return len(key) == places.KEY_SIZE and hashlib.sha256(key).hexdigest() == sha256

@@ -4,23 +4,8 @@ import os
 import sys
 from collections.abc import Callable
 
-from serial.tools import list_ports
-
-from .errors import FlashError
-
-# USB chips found on ESP32 boards (vendor, product): Silicon Labs CP210x, WCH CH340, CH343 and CH9102, FTDI, Prolific, Espressif's own
-BRIDGES = {
-    (0x10C4, 0xEA60), (0x10C4, 0xEA70), (0x1A86, 0x7523), (0x1A86, 0x55D3), (0x1A86, 0x55D4), (0x0403, 0x6001), (0x0403, 0x6010), (0x0403, 0x6014),
-    (0x0403, 0x6015), (0x067B, 0x2303), (0x067B, 0x23A3), (0x303A, 0x1001),
-}  # fmt: skip
-_MAKERS = {vendor for vendor, _ in BRIDGES}
-
-
-def candidates() -> list:
-    """USB serial ports, those with a chip that ESP32 boards carry first (`serial.tools.list_ports_common.ListPortInfo`)."""
-    usb = [port for port in list_ports.comports() if port.vid is not None]
-    known = [port for port in usb if port.vid in _MAKERS]
-    return sorted(known or usb, key=lambda port: port.device)
+from host.boards import usb
+from host.boards.errors import FlashError
 
 
 def choose(wanted: str | None, ask: Callable[[str], str] | None = None) -> str:
@@ -28,7 +13,7 @@ def choose(wanted: str | None, ask: Callable[[str], str] | None = None) -> str:
 
     Raises FlashError when there is none, when there are several and nobody to ask, or when the port may not be opened.
     """
-    port = wanted or _pick(candidates(), ask)
+    port = wanted or _pick(usb.candidates(), ask)
     check_access(port)
     return port
 
@@ -56,7 +41,7 @@ def check_access(port: str) -> None:
     if sys.platform == "win32" or "://" in port:
         return  # the name is not a path there; the tools report what is wrong
     if not os.path.exists(port):
-        here = ", ".join(found.device for found in candidates()) or "none"
+        here = ", ".join(found.device for found in usb.candidates()) or "none"
         raise FlashError(f"there is no port {port} (USB serial ports now: {here})", "check the cable and the name: PORT=/dev/ttyUSB0")
     if not os.access(port, os.R_OK | os.W_OK):
         raise FlashError(

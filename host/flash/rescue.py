@@ -6,8 +6,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+from host.boards.errors import FlashError
+
 from . import rom, tools
-from .errors import FlashError
 
 _MARK = b"littlefs"  # in the superblock of every littlefs
 

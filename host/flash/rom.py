@@ -3,9 +3,10 @@
 import re
 from pathlib import Path
 
+from host.boards.errors import FlashError
+
 from . import tools
 from .chip import Chip
-from .errors import FlashError
 
 IMAGE_AT = 0x1000  # where the ESP32's ROM looks for the bootloader that begins the image
 FILES_AT = 0x200000  # the file system's partition of a stock 4 MiB image

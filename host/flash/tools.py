@@ -5,7 +5,7 @@ import subprocess
 import sys
 import threading
 
-from .errors import FlashError
+from host.boards.errors import FlashError
 
 OTHER_CHIP = (
     "this robot needs a plain ESP32 (WROOM-32): the image is the ESP32's, S2 and C3 have one processor core and no such UART pins, and the compiled "

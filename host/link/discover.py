@@ -10,9 +10,9 @@ from .radio import PORT, listen
 
 def boards() -> list[str]:
     """Addresses of serial ports that look like an ESP32 board."""
-    from host.flash import ports
+    from host.boards import usb
 
-    return [f"serial:{port.device}" for port in ports.candidates()]
+    return [f"serial:{port.device}" for port in usb.candidates()]
 
 
 def robots(seconds: float = 1.5, port: int = PORT) -> list[tuple[str, dict]]:

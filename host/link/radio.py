@@ -7,7 +7,7 @@ import threading
 import time
 from collections import deque
 
-from host.flash import keep, places
+from host.boards import places
 from link import auth, frames, protocol
 
 from . import messages
@@ -32,7 +32,7 @@ class RadioLink(Link):
 
     The robot is greeted once a second, each time with a new nonce; its HELLO in answer tells its session, its counter and its board, and proves
     with a tag over the nonce that it is no other's and no old one. The key is the one kept when that board was flashed
-    (`host.flash.places.key_path`). Until such a hello has come, commands are not sent; without the key they never are. The counter is the
+    (`host.boards.places.key_path`). Until such a hello has come, commands are not sent; without the key they never are. The counter is the
     session's: in a new one it begins anew. A stop that was the last order of a session is given again in the next.
 
     key: overrides the one that was kept. forged: hellos that prove nothing, though there is a key for their board.
@@ -181,4 +181,4 @@ def kept_key(board: str) -> tuple[bytes | None, str]:
         key = path.read_bytes()
     except OSError:
         return None, "no key"
-    return (key, "") if len(key) == keep.KEY_SIZE else (None, f"no key of {keep.KEY_SIZE} bytes, but one of {len(key)},")
+    return (key, "") if len(key) == places.KEY_SIZE else (None, f"no key of {places.KEY_SIZE} bytes, but one of {len(key)},")

@@ -16,10 +16,11 @@ import serial
 from emulated_board import EmulatedBoard
 from emulated_rom import ESP32_S2_MAGIC, MAC
 
+from host.boards import build, places, usb
+from host.boards.errors import FlashError
 from host.budget import fit
 from host.flash import __main__ as command_line
-from host.flash import board, build, flow, hello, image, keep, places, ports, rescue, rom, tools
-from host.flash.errors import FlashError
+from host.flash import board, flow, hello, image, keep, ports, rescue, rom, tools
 from link import frames as whole_frames
 from link import protocol
 
@@ -411,7 +412,7 @@ def port(device, vid=0x10C4):
 
 
 def plug(monkeypatch, *found):
-    monkeypatch.setattr(ports.list_ports, "comports", lambda: list(found))
+    monkeypatch.setattr(usb.list_ports, "comports", lambda: list(found))
     monkeypatch.setattr(ports.os.path, "exists", lambda path: True)
     monkeypatch.setattr(ports.os, "access", lambda path, mode: True)
 

@@ -1,10 +1,8 @@
-"""What the constructors of lidar, scan trust, map and windows do. Needed once, at the start: then it is unloaded, and leaves its room to the robot."""
+"""What the constructors of lidar, scan trust, map and windows do. Needed once, at the start: then it is unloaded, and its memory is the robot's."""
 
 from array import array
 
 from micropython import const
-
-from perception.windows import BAND_MM
 
 _MAX_POINTS = const(80)  # lidar.py
 _STORE = const(416)
@@ -77,10 +75,10 @@ def local_map(self, config):
     self._state = array("i", (0, 0, 0, far8) + cells + (self.keep >> unit, unit) + (0,) * 6)
 
 
-def windows(self, config, capacity):
-    """Fields of a Windows."""
+def windows(self, config, capacity, band_mm):
+    """Fields of a Windows. band_mm: BAND_MM there."""
     self.window = bytearray(capacity)
     self.near = self.urgent = 0
     # In the order of the places in windows.py
-    sizes = config.robot_width // 2, config.robot_length // 2, 0, 0, 0, config.windows_look_ahead, config.avoid_soft_margin + BAND_MM
+    sizes = config.robot_width // 2, config.robot_length // 2, 0, 0, 0, config.windows_look_ahead, config.avoid_soft_margin + band_mm
     self._size = array("i", sizes + (0,) * 3)

@@ -114,7 +114,7 @@ class Windows:
     def __init__(self, config, capacity):
         from perception.build import windows
 
-        windows(self, config, capacity)
+        windows(self, config, capacity, BAND_MM)
         self.configure(config)
 
     def configure(self, config):

@@ -1,4 +1,4 @@
-"""The one error of this package."""
+"""The error of host/boards and host/flash."""
 
 
 class FlashError(Exception):

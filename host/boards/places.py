@@ -4,6 +4,8 @@ import os
 import sys
 from pathlib import Path
 
+KEY_SIZE = 32  # bytes of a board's network key
+
 
 def _home(variable: str, windows: str, default: str) -> Path:
     base = os.environ.get("LOCALAPPDATA" if sys.platform == "win32" else variable)
@@ -28,5 +30,5 @@ def backup_dir() -> Path:
 
 
 def key_path(board: str) -> Path:
-    """The network key of the board with this identity (machine.unique_id in hex): 32 raw bytes, mode 600."""
+    """The network key of the board with this identity (machine.unique_id in hex): KEY_SIZE raw bytes, mode 600."""
     return config_dir() / "keys" / f"{board}.key"
