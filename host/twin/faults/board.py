@@ -67,8 +67,8 @@ def _stranger():
     return frame(_DRIVE, (1).to_bytes(4, "little") + bytes((0, 0, 0, 0, 0, 90)) + b"stranger")
 
 
-@named("clock-29", "the clock of microseconds starts a second before 2**29 and runs past it", ticks=1 << 29)
-@named("clock-30", "the clock of microseconds starts a second before 2**30, where it begins again at 0", ticks=1 << 30)
+@named("clock-29", "the clock of microseconds starts a second before 2^29 and runs past it", ticks=1 << 29)
+@named("clock-30", "the clock of microseconds starts a second before 2^30, where it begins again at 0", ticks=1 << 30)
 class Clock(Fault):
     at_start = True
     watched_s = 60.0

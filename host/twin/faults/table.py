@@ -42,7 +42,7 @@ class Row:
         """Whether it drove on, or stood on, as promised."""
         kind = self.kind
         if kind.within_ms is None:
-            return self.outcome.driven_after_s > 1
+            return self.outcome.driven_after_s > 1 and (self.result == "pass" or self.outcome.still_ms is None or self.drove_again_s >= 0.1)
         return kind.again_s is None or self.drove_again_s < kind.again_s + 0.1
 
     @property
