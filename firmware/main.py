@@ -5,14 +5,25 @@ from time import sleep_ms
 
 sys.path.append("/lib")
 
-from core.start import build
+from safety import first
 
-robot = build()
-del build  # with it goes the code that only the start needs
+first.silence()  # whatever a former life left turning
+note = first.former()
+robot = None
+
+if note != first.PROMPT:
+    from core.start import build
+
+    robot = build(note)
+    del build  # with it goes the code that only the start needs
+del first
 
 try:
-    while True:
+    while robot is not None:
         if not robot.step():
             sleep_ms(1)
+except KeyboardInterrupt:
+    robot.prompt()
 finally:
-    robot.off()
+    if robot is not None:
+        robot.off()

@@ -10,25 +10,36 @@ from perception.odometry import Odometry
 _STOPPED = const(12)  # reasons.STOPPED
 _FAULT = const(13)  # reasons.FAULT
 _MANUAL = const(14)  # reasons.MANUAL
+_START = const(18)  # reasons.START
+
+_PART = const(2)  # place in the watchdog's note, and who is at work
+_LIDAR = const(1)
+_PLANNER = const(2)
+_DRIVE = const(3)
+_LINK = const(4)
+_SCREEN = const(5)
+PARTS = ("start", "lidar", "planner", "drive", "link", "screen")
 
 
 class Robot:
     """The parts, joined; buses and pins were handed to them by core/start.py.
 
-    avoid: Avoid; lidar: Lidar; drive: Drive; health: Health or None; link: Link or None (then it drives on its own); screen: Screen or None; trust: ScanTrust.
+    avoid: Avoid; lidar: Lidar; drive: Drive; safety: Safety; health: Health; watchdog: Watchdog; link: Link or None; screen: Screen or None.
     took_us: computing time of the slices of the latest decision.
     """
 
-    def __init__(self, config, avoid, lidar, drive, health=None, link=None, screen=None, trust=None):
+    def __init__(self, config, avoid, lidar, drive, safety, health, watchdog, link=None, screen=None):
         self.config = config
         self.avoid = avoid
         self.lidar = lidar
         self.drive = drive
+        self.safety = safety
         self.health = health
+        self.watchdog = watchdog
         self.link = link
         self.screen = screen
         self.odometry = Odometry(config)
-        self.trust = trust
+        self.trust = safety.trust
         self.took_us = 0
         self._slices_us = 0
         self._slices = 0  # of the decision, still to be made before the next frame
@@ -37,10 +48,34 @@ class Robot:
     def step(self):
         """Once round. Returns True if a lidar frame was taken in.
 
-        A turn does one long thing: it takes in frames, or writes the chips, or works at the decision. So none takes longer than a frame of the
+        Whatever goes wrong in link or screen is counted and told. In what drives the robot, it stops it until a person starts it again.
+        """
+        watchdog = self.watchdog
+        note = watchdog.note
+        now = ticks_us()
+        seen = False
+        try:
+            seen = self._drive_on(now, note, watchdog.keep)
+        except Exception as error:
+            self._fail(error, note)
+        try:
+            if self.link is not None:
+                note[_PART] = _LINK
+                watchdog.keep(note)
+                self.link.update(now, self)
+            if self.screen is not None:
+                note[_PART] = _SCREEN
+                watchdog.keep(note)
+                self.screen.update(now, self, self.link)
+        except Exception as error:
+            self._survive(error, note)
+        watchdog.feed()
+        return seen
+
+    def _drive_on(self, now, note, keep):
+        """A turn does one long thing: it takes in frames, or writes the chips, or works at the decision. So none takes longer than a frame of the
         lidar, and none is put off for ever: after a frame come the chips, if they are due, and a slice of the decision, then the next frame.
         """
-        now = ticks_us()
         lidar = self.lidar
         drive = self.drive
         avoid = self.avoid
@@ -49,6 +84,8 @@ class Robot:
         trust = self.trust
         seen = False
         owed = self._owed
+        note[_PART] = _LIDAR
+        keep(note)
         odometry.advance(now, drive)
         while not owed and lidar.poll(now):
             if link is not None:
@@ -57,20 +94,18 @@ class Robot:
                 trust.frame(lidar, odometry, drive.told_v256)
             avoid.frame(lidar, odometry)
             seen = True
-        state = telemetry.AUTO if link is None else link.state
+        safety = self.safety
         due = drive.due(now) and not seen
         self._owed = False
-        if self.health is not None and not self.health.check(now):
-            self._stand(_FAULT, seen)
-        elif trust is not None and trust.fault:
-            self._stand(_FAULT, seen)
-        elif state == telemetry.STOPPED:
-            self._stand(_STOPPED, seen)
-        elif state == telemetry.MANUAL:
-            drive.command(link.af, link.ar, link.v)
+        if not safety.check(now):
+            self._stand(safety, seen)
+        elif safety.state == telemetry.MANUAL:
+            self._command(link.af, link.ar, link.v)
             if seen:
                 avoid.observe(odometry, _MANUAL, link.af, link.ar, link.v)
         elif seen:
+            note[_PART] = _PLANNER
+            keep(note)
             self._watch_out()
             self._slices = 2 if drive.v256 else 3  # there is time for so many until the next frame; a robot that stands may be late
             self._owed = True
@@ -78,26 +113,60 @@ class Robot:
             if due:
                 self._owed = owed
             else:
+                note[_PART] = _PLANNER
+                keep(note)
                 self._slices -= 1
                 self._decide()
         if due:
+            note[_PART] = _DRIVE
+            keep(note)
             drive.update(now)
-        if link is not None:
-            link.update(now, self)
-        if self.screen is not None:
-            self.screen.update(now, self, link)
         return seen
 
     def off(self):
         """Everything off, for good. The chips go on with what they last heard: whatever ends the loop must not leave the wheels turning."""
-        self.drive.off()
-        self.lidar.stop()
+        try:
+            self.drive.off()
+        finally:
+            self.lidar.stop()
 
-    def _stand(self, why, seen):
+    def prompt(self):
+        """Off, and to MicroPython's prompt, where nothing feeds the watchdog: by way of a reset."""
+        try:
+            self.off()
+        finally:
+            self.watchdog.prompt()
+
+    def _fail(self, error, note):
+        """A part that the robot cannot drive without has raised an exception."""
+        self.safety.failed(isinstance(error, MemoryError))
+        try:
+            self.drive.halt()
+        except Exception:
+            self.drive.off()  # which cannot fail
+        self._survive(error, note)
+
+    def _survive(self, error, note):
+        """Count it, and tell the first few: what fails in every turn would fill the log."""
+        safety = self.safety
+        safety.failures += 1
+        if safety.failures <= 5 and self.link is not None:
+            try:
+                self.link.log(2, "%s: %r" % (PARTS[note[_PART]], error))
+            except MemoryError:
+                pass
+
+    def _command(self, af, ar, v):
+        """Steer and drive, no faster than safety lets it."""
+        most = self.safety.most
+        self.drive.command(af, ar, min(max(v, 90 - most), 90 + most))
+
+    def _stand(self, safety, seen):
         """Motors off, steering as it is; the surroundings are still looked at."""
         drive = self.drive
         drive.stop()
         if seen:
+            why = _FAULT if safety.fault else _START if safety.waiting else _STOPPED
             self.avoid.observe(self.odometry, why, drive.af, drive.ar, 90)
 
     def _watch_out(self):
@@ -116,7 +185,6 @@ class Robot:
         done = avoid.step(self.odometry)
         self._slices_us += ticks_diff(ticks_us(), began)
         if done:
-            most = 90 if self.trust is None else self.trust.most
-            self.drive.command(avoid.af, avoid.ar, min(max(avoid.v, 90 - most), 90 + most))
+            self._command(avoid.af, avoid.ar, avoid.v)
             self.took_us = self._slices_us
             self._slices_us = 0

@@ -16,6 +16,7 @@ from host.recording import Decision
 from host.replay import table
 from host.replay.compare import Difference
 from host.twin import image, load_config
+from host.twin.run import starting
 
 from . import scans
 from .measure import play
@@ -110,7 +111,7 @@ def report(found):
 
 def _robot(tape, path):
     """Text of the robot.json that a firmware comes with, changed as the tape's course wants it."""
-    return json.dumps(load_config(path if path.is_file() else None, tape.mode, tape.changes))
+    return json.dumps(load_config(path if path.is_file() else None, tape.mode, {**starting(path.parent), **(tape.changes or {})}))
 
 
 def _entries(data):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from host.recording import Inputs, Reader, Stream
 from host.twin import image, load_config, run
+from host.twin.run import starting
 
 from .surprise import with_surprise
 
@@ -78,7 +79,7 @@ def _record(course, folder, firmware):
     """The tapes of one course: the run as it was, and with surprises."""
     name = " ".join(_word(*item) for item in course.items())
     target = folder / hashlib.sha256(json.dumps(course, sort_keys=True).encode()).hexdigest()[:12]
-    robot = json.dumps(load_config(mode=course.get("mode"), changes=course.get("changes")))
+    robot = json.dumps(load_config(mode=course.get("mode"), changes={**starting(image.FIRMWARE), **(course.get("changes") or {})}))
     if not target.with_suffix(".done").exists():
         with tempfile.TemporaryDirectory() as scratch:
             run(**{"limit_s": LIMIT_S, **course}, firmware=firmware, record=Path(scratch) / "run.rec")

@@ -49,6 +49,7 @@ def main(arguments=None):
             firmware=options.firmware or FIRMWARE,
             record=options.record,
             chip=options.chip,
+            changes=options.changes,
             fault=options.fault,
         )
     except (ValueError, ToolMissing, SyntaxError, RecordingError) as error:
@@ -90,6 +91,7 @@ def _parser():
     add("--config", metavar="FILE", help="robot.json to use (default firmware/robot.json)")
     add("--firmware", metavar="FOLDER", help="main.py and lib/ to run (default firmware/)")
     add("--fault", type=_fault, metavar="NAME[@SECONDS]", help="what fails, and when (default: once it drives and 4 s have passed); list: shows the names")
+    add("--no-autostart", dest="changes", action="store_const", const={"drive.autostart": False}, help="wait for a start, as the robot does after power-up")
     add("--json", action="store_true", help="print one JSON object with the result and nothing else")
     add("--record", metavar="FILE", help="record the run (without it, a run that ends badly leaves a recording in out/ended-badly)")
     add("--no-record", dest="record", action="store_const", const=False, help="never record")

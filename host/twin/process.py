@@ -31,7 +31,7 @@ class Process:
     def __init__(self, engine, config_text, on_serial, firmware=image.FIRMWARE, heap=None, chip=None, clock_us=0, files=None):
         self._on_serial = on_serial
         self._began = -clock_us  # when the board's clock showed 0
-        self._request = wire.Request(wire.FLUSH, 0, 0, 0, 0, (), 0, -1, [])  # the latest; before the first, none that asks for anything
+        self._request = wire.Request(wire.FLUSH, 0, 0, 0, 0, (), 0, -1, b"", [])  # the latest; before the first, none that asks for anything
         self._closed = False
         self._folder = Path(tempfile.mkdtemp(prefix="gapseeker-"))
         try:
@@ -71,6 +71,7 @@ class Process:
         """
         now, cause = self._request.now + BOOT_US, self._request.address
         self._child.stop()
+        self.leave({"rtc.bin": self._request.kept})
         if cause != SOFT_RESET:
             self._began = now
         self._child = self._start(now - self._began, cause)
@@ -79,7 +80,7 @@ class Process:
         """The processor is reset from outside, at the time (us, None = now): the wire.Request of that, to be served and followed by `restart`."""
         before = self._request
         time = before.target if time is None else time
-        self._request = wire.Request(wire.RESET, cause, 0, time, time, before.probe, before.overflows, -1, [])
+        self._request = wire.Request(wire.RESET, cause, 0, time, time, before.probe, before.overflows, -1, before.kept, [])
         return self._request
 
     def leave(self, files):

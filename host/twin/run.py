@@ -89,7 +89,8 @@ def run(
 
     course, width, gap, mirror, reverse, angle, scale: see `courses.make`. seed: of the robot's imperfections and the noise; other than 0
     it perturbs the start as well. mode: "aws" or "naws", None as robot.json says. speed: factor on real time, None = as fast as
-    possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it. watch: simulation.Observer, told what
+    possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it; the robot drives off by itself
+    unless they say {"drive.autostart": False}. watch: simulation.Observer, told what
     happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run earlier than after 60 s.
     heap, clock_us: of the board, see `Process`.
     fault: what fails, NAME or NAME@SECONDS, see `faults`; the run then ends 20 s after that at the latest.
@@ -99,7 +100,7 @@ def run(
     began = time.monotonic()
     chip = process.CHIP if chip is None else chip
     failing = faults.make(fault)
-    settings = load_config(config, mode, {**failing.changes, **(changes or {})})
+    settings = load_config(config, mode, {**starting(firmware), **failing.changes, **(changes or {})})
     vehicle = Vehicle.from_settings(settings)
     layout = courses.make(course, width, gap, seed, mirror, reverse, angle, scale)
     watch = watch or Observer()
@@ -150,6 +151,12 @@ def _address(course, width, gap, seed, mirror, reverse, angle, scale, chip):
     usual = dict(width=None, gap=500, seed=0, mirror=False, reverse=False, angle=90, scale=1, chip=process.CHIP)
     given = dict(width=width, gap=gap, seed=seed, mirror=mirror, reverse=reverse, angle=angle, scale=scale, chip=chip)
     return f"twin:{course.lower()}?" + "&".join(f"{name}={value:g}" for name, value in given.items() if value != usual[name])
+
+
+def starting(firmware):
+    """The changes to robot.json with which the firmware in the folder drives off by itself. Older ones always did, and do not know the word."""
+    schema = Path(firmware) / "lib" / "params" / "schema.py"
+    return {"drive.autostart": True} if schema.exists() and "drive.autostart" in schema.read_text() else {}
 
 
 def load_config(config=None, mode=None, changes=None):

@@ -13,7 +13,7 @@ REPLY, SHORT, PAYLOAD, CHUNKS = 1024, 256, 128, 4
 ROUND = 1 << 30
 FAR = 1 << 29  # horizons further off are as good as this one
 
-_REQUEST = struct.Struct("<IBBHIII11iIi")
+_REQUEST = struct.Struct("<IBBHIII11iIi9s")
 _EVENT = struct.Struct("<IBBH")
 _WITH_DATA = (I2C_WRITE, UART_OUTPUT)
 
@@ -23,7 +23,7 @@ class Request:
     """One message of the firmware. events: [(time, kind, where, value, data)].
 
     now: when it was sent; target: up to when time shall pass, `now` unless kind is ADVANCE. address: of a RESET, why it resets.
-    watchdog: us from `target` until the watchdog resets the board unless it is fed, -1 = there is none.
+    watchdog: us from `target` until the watchdog resets the board unless it is fed, -1 = there is none. kept: what the RTC's memory holds.
     """
 
     kind: int
@@ -34,6 +34,7 @@ class Request:
     probe: tuple
     overflows: int
     watchdog: int
+    kept: bytes
     events: list
 
 
@@ -44,9 +45,9 @@ def missing(data):
 
 def decode(data, began):
     """The Request in the bytes. began: when the board's clock showed 0."""
-    _, kind, address, size, ticks, rounds, duration, *probe, overflows, watchdog = _REQUEST.unpack_from(data)
+    _, kind, address, size, ticks, rounds, duration, *probe, overflows, watchdog, kept = _REQUEST.unpack_from(data)
     now = began + rounds * ROUND + ticks
-    return Request(kind, address, size, now, now + duration, tuple(probe), overflows, watchdog, list(_events(data, now, ticks)))
+    return Request(kind, address, size, now, now + duration, tuple(probe), overflows, watchdog, kept, list(_events(data, now, ticks)))
 
 
 def _events(data, now, ticks):

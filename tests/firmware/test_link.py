@@ -13,7 +13,7 @@ from link.auth import Signer
 from link.frames import decode, frame
 from link.link import Link
 from link.telemetry import Decoder, Encoder, copy
-from safety.health import STOP_BUTTON
+from safety.faults import STOP_BUTTON
 
 SESSION = b"sessions"
 KEY = b"k" * 32
@@ -64,7 +64,7 @@ class Part:
     speed20 = 120
     frames, errors, speed_faults = 1000, 2, 3
     fault = ""
-    battery_low = False
+    battery_low = lost = False
     chips, uptime_ms, heap_free, worst_us, battery_mv = True, 5000, 60000, 4000, 7400
     stops = told_v256 = 0
     n = 38
@@ -76,13 +76,28 @@ class Part:
         self.stops += 1
 
 
+class Safety:
+    """What the link asks of safety.Safety; it lets everything drive but under the stop button."""
+
+    state = protocol.AUTO
+    fault = 0
+
+    def start(self, state):
+        if self.fault != STOP_BUTTON:
+            self.state = state
+        return self.state == state
+
+    def stop(self):
+        self.state = protocol.STOPPED
+
+
 class Robot:
     took_us = 1234
 
     def __init__(self):
         self.avoid = self.drive = self.odometry = self.lidar = Part()
         self.health = Part()
-        self.health.fault = 0
+        self.safety = Safety()
         self.is_off = False
 
     def off(self):
@@ -174,7 +189,7 @@ def make(signed=False, key=KEY):
     requests.Settings = Settings
     robot = Robot()
     robot.tuned = Settings.tuned = []
-    link = Link(Config(), b'{"firmware": "1"}', Encoder(), [line], SESSION, key and Signer(key))
+    link = Link(Config(), b'{"firmware": "1"}', Encoder(), [line], SESSION, robot.safety, key and Signer(key))
     return link, line, robot
 
 
@@ -320,40 +335,15 @@ def test_a_hand_that_was_stopped_has_to_let_go_first():
     assert link.state == protocol.MANUAL
 
 
-def test_the_stop_button_counts_until_told_to_go_on():
+def test_the_stop_button_is_told_once_and_refuses_to_let_it_drive():
     link, line, robot = make()
-    _press(link, robot, 100_000, 300_000)
-    assert link.state == protocol.STOPPED
-    assert b"stopped by its button" in run(link, line, robot, 300_000, 1_000_000)[protocol.LOG][0]
-    line.receive(drive(1, protocol.AUTO))
-    link.update(1_000_000, robot)
-    assert link.state == protocol.AUTO
-
-
-def test_no_command_counts_while_the_stop_button_is_pressed():
-    link, line, robot = make()
-    line.receive(drive(1, protocol.AUTO) + drive(2, protocol.MANUAL, 0, 0, 120))
-    _press(link, robot, 100_000, 200_000)
-    assert link.state == protocol.STOPPED
-
-
-def test_a_long_press_lets_a_standing_robot_drive():
-    link, _, robot = make()
-    _press(link, robot, 100_000, 5_000_000)  # this one stops it, however long
-    assert link.state == protocol.STOPPED
-    _press(link, robot, 6_000_000, 6_500_000)  # pressed again in a hurry
-    assert link.state == protocol.STOPPED
-    _press(link, robot, 7_000_000, 8_100_000)
-    assert link.state == protocol.AUTO
-
-
-def _press(link, robot, start, end):
-    for now in range(start, end, 50_000):
-        robot.health.fault = STOP_BUTTON
-        link.update(now, robot)
-        assert link.state == protocol.STOPPED
-    robot.health.fault = 0
-    link.update(end, robot)
+    robot.safety.fault = STOP_BUTTON
+    robot.safety.stop()  # as safety does
+    assert len(run(link, line, robot, 0, 500_000)[protocol.LOG]) == 1
+    status, text = reply_to(link, line, robot, drive(5, protocol.AUTO))
+    assert status == protocol.REFUSED and "button" in text and link.state == protocol.STOPPED
+    robot.safety.fault = 0
+    assert reply_to(link, line, robot, drive(6, protocol.AUTO))[0] == protocol.OK and link.state == protocol.AUTO
 
 
 def reply_to(link, line, robot, data):
@@ -577,7 +567,7 @@ def test_what_should_not_be_missed_is_logged_once():
     robot.health.battery_low = True
     robot.drive.fault = "no answer from 0x41"
     logs = [bytes(payload) for payload in run(link, line, robot)[protocol.LOG]]
-    assert logs == [b"\2no answer from 0x41", b"\1battery is low: charge it soon"]
+    assert logs == [b"\2no answer from 0x41", b"\1battery is low: it drives slowly; charge it soon"]
 
 
 def test_without_a_key_no_signed_command_counts():

@@ -14,6 +14,8 @@ from lidar import Lidar
 from params.config import Config
 from pca9685 import PCA9685
 from safety.health import Health
+from safety.safety import Safety
+from safety.watchdog import Watchdog
 
 # The emulation of viper is a hundred times slower: there the loop is only run to see that it can be.
 _TURNS = 20 if sys.implementation.name == "micropython" else 2
@@ -52,7 +54,8 @@ def _robot(mode, clock):
     drive = Drive(lay_out(config.axles_spacings, config.axles_track, config.axles_first), chips[0], chips[1], chips[2], FakePin(), config)
     lidar = Lidar(_Line(bytes(rooms.FRAMES * rooms.FRAME_SIZE)), None, config)
     loop.ticks_us = clock
-    return loop.Robot(config, Avoid(config), lidar, drive, Health(lidar, drive, None, None, config)), bus
+    health = Health(drive, None, config)
+    return loop.Robot(config, Avoid(config), lidar, drive, Safety(lidar, drive, health, None, None, True), health, Watchdog()), bus
 
 
 def _run(mode):

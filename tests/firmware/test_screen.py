@@ -33,7 +33,7 @@ class Part:
 
 
 class Robot:
-    avoid = health = lidar = Part()
+    avoid = health = safety = lidar = Part()
 
 
 class Link:
@@ -89,11 +89,11 @@ def test_a_line_fits_its_field_and_a_change_is_shown():
 
 
 def test_a_fault_takes_the_last_line():
-    Robot.health.fault = 4
+    Robot.safety.fault = 4
     try:
         assert b"'! battery is empty: charge it" in texts(show("usart-gpu")[0])
     finally:
-        Robot.health.fault = 0
+        Robot.safety.fault = 0
 
 
 def test_touch_in_brackets():

@@ -37,7 +37,7 @@ class Steering:
 
 class Part:
     decisions = mode = af = ar = window = zone = free = why = points_count = v256 = x = y = heading = speed20 = frames = errors = 0
-    speed_faults = uptime_ms = heap_free = worst_us = battery_mv = fault = battery_low = 0
+    speed_faults = uptime_ms = heap_free = worst_us = battery_mv = fault = battery_low = lost = 0
     v = 90
     block_x = block_y = 32767
     points_x = points_y = array("H")
@@ -55,8 +55,23 @@ class Drive(Part):
         pass
 
 
+class Safety:
+    state = 1
+    fault = 0
+
+    @classmethod
+    def start(cls, state):
+        cls.state = state
+        return True
+
+    @classmethod
+    def stop(cls):
+        cls.state = 0
+
+
 class Robot:
     avoid = odometry = lidar = health = Part
+    safety = Safety
     drive = Drive
     took_us = 0
 
@@ -66,7 +81,7 @@ carrier = Datagrams(Wlan(), socket, int(sys.argv[2]), encoder)
 identity = {"robot": "gapseeker-0000", "board": "00ff", "firmware": "0"}
 
 
-link = Link(Config, json.dumps(identity).encode(), encoder, [carrier], b"12345678", Signer(bytes(range(32))))
+link = Link(Config, json.dumps(identity).encode(), encoder, [carrier], b"12345678", Safety, Signer(bytes(range(32))))
 last = None
 while True:
     now = time.ticks_us()

@@ -28,7 +28,7 @@ import gc
 gc.collect()
 print("live", gc.mem_alloc())
 """
-BEFORE_THE_LOOP = "\ntry:\n    while True:"
+BEFORE_THE_LOOP = "\ntry:\n    while robot"
 
 
 class Printed(Observer):

@@ -92,6 +92,11 @@ class Drive:
     def fault(self):
         return self._outputs.fault
 
+    @property
+    def restarts(self):
+        """How often the chips were set up: more than once, and they had been lost."""
+        return self._outputs.restarts
+
     def command(self, af, ar, v):
         """Steer AF, AR (0.1 deg) and drive at V (0 .. 180, 90 stops). False, and the robot stops as it is steered, if a wheel cannot turn so far."""
         goal = self._goal
@@ -131,14 +136,18 @@ class Drive:
     def stop(self):
         """Motors off now, not with the next update(); the wheels stay as they are. Costs nothing while the motors are off."""
         if self.told_v256:
-            self._outputs.motors_off()
-            self.told_v256 = 0
+            self.halt()
         self._goal_v256 = 0
 
+    def halt(self):
+        """As stop(), whatever the motors were told: for when that is not sure any more."""
+        self._outputs.motors_off()
+        self.told_v256 = self._goal_v256 = 0
+
     def off(self):
-        """Everything off, for good: the servos let go."""
-        self.stop()
+        """Everything off, for good: the servos let go. Raises nothing."""
         self._outputs.off()
+        self.told_v256 = self._goal_v256 = 0
 
     def due(self, now_us):
         """Whether update() has something to do."""

@@ -179,12 +179,18 @@ class Outputs:
             self._rolling = False
 
     def off(self):
-        """Everything off, for good: the servos let go."""
-        self._set_enabled(False)
+        """Everything off, for good: the servos let go. The pin first, which does not depend on a bus; then each chip by itself. Raises nothing."""
+        self.ok = False
+        self._enabled = False
+        try:
+            if self._enable is not None:
+                self._enable.value(1)
+        except Exception:  # whatever it is, the chips are left
+            pass
         for chip in self._chips:
             try:
                 chip.deinit()
-            except OSError:
+            except Exception:
                 pass
 
     def _check(self, k):

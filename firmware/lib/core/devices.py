@@ -13,14 +13,6 @@ def clock():
             print("gapseeker: the processor runs at %d MHz instead of 240: decisions take longer" % (machine.freq() // 1_000_000))
 
 
-def silence(values):
-    """The output enable pin, outputs off, or None, from the values of robot.json before they are checked, as that takes a while."""
-    try:
-        return machine.Pin(values["pins"]["output_enable"], machine.Pin.OUT, value=1)
-    except (ValueError, KeyError, TypeError):
-        return None  # there is none, it is left to the default, or it is wrong: the check will say
-
-
 def radio(config):
     """(WLAN that joins by itself, None); (None, what went wrong); (None, None) without a radio."""
     if not config.once["wifi_ssid"]:
@@ -40,12 +32,13 @@ def uarts(once):
     return lidar, screen
 
 
-def chips(once, enable):
+def chips(once):
     """(PCA9685 of the servos, of the left and of the right motors, output enable pin or None). The bus is not touched."""
     from pca9685 import PCA9685  # it holds machine code, and the radio wants its memory before that
 
     pin = machine.Pin
-    if enable is None and once["pins_output_enable"] is not None:
+    enable = None
+    if once["pins_output_enable"] is not None:
         enable = pin(once["pins_output_enable"], pin.OUT, value=1)
     i2c = machine.I2C(once["i2c_bus"], scl=pin(once["i2c_scl"]), sda=pin(once["i2c_sda"]), freq=once["i2c_frequency"])
     made = [PCA9685(i2c, once["servos_address"], once["servos_frequency"], once["servos_oscillator"], max(once["servos_channels"]) + 1)]

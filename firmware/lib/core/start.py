@@ -12,33 +12,33 @@ from core.unload import unload
 _MACHINE_CODE = ("link.telemetry", "actuation.drive", "lidar", "avoid")
 
 
-def build(path="robot.json"):
-    """The Robot. In doubt nothing moves: what is wrong is printed on the USB line and raised (ValueError, OSError)."""
+def build(note=None, path="robot.json"):
+    """The Robot. note: what the life before this one left, see safety/watchdog.py; None after power was switched on. In doubt nothing moves: what is wrong is printed on the USB line and raised (ValueError, OSError)."""
     # Garbage between the things that stay would cut the heap to pieces, and make it grow before the others have had their part; a collection
     # at every 2 kB, though, would take longer than the start itself.
     gc.threshold(4096)
     try:
-        robot = _build(path)
+        robot = _build(path, note)
     except (ValueError, OSError) as error:
         print("gapseeker: cannot start:", error)
         raise
-    unload("core.start")
+    unload("core.start", "safety.first")
     gc.threshold(-1)  # from now on the loop allocates nothing
+    robot.watchdog.begin()
     return robot
 
 
-def _build(path):
+def _build(path, note):
     from core import devices
 
     devices.clock()  # all the rest takes two thirds of the time then
     values = _load(path)
-    enable = devices.silence(values)  # whatever the chips did before a restart: motors and servos are off while the rest is made
     config = _checked(values)  # everything depends on it, and a mistake in it must be told before anything moves
     values = None
     once = config.once
     wlan, remark = devices.radio(config)  # its memory must be there before the heap grows; it joins the network meanwhile
     lidar_line, screen_line = devices.uarts(once)  # the drivers' buffers come from the same memory
-    servos, left, right, enable = devices.chips(once, enable)
+    servos, left, right, enable = devices.chips(once)
     motor, button, adc, doubt = devices.inputs(once)
     devices = None
     unload("core.devices", "link.wifi")
@@ -46,10 +46,12 @@ def _build(path):
         __import__(name)
     avoid = _avoid(config)  # its tables are the largest objects: they come while the heap is still in one piece
     drive = _drive(config, servos, left, right, enable)
-    link = _link(config, wlan, remark)
-    if doubt:
-        link.log(1, doubt)
-    robot = _robot(config, avoid, drive, link, _lidar(config, lidar_line, motor), button, adc, screen_line)
+    lidar = _lidar(config, lidar_line, motor)
+    safety, health, watchdog, remarks = _safety(config, lidar, drive, button, adc, note)
+    link = _link(config, safety, wlan, remark)
+    for remark in remarks + [doubt] * bool(doubt):
+        link.log(1, remark)
+    robot = _robot(config, avoid, lidar, drive, safety, health, watchdog, link, screen_line)
     config.once = None
     return robot
 
@@ -85,12 +87,12 @@ def _drive(config, servos, left, right, enable):
     return drive
 
 
-def _link(config, wlan, remark):
+def _link(config, safety, wlan, remark):
     import machine
 
     from link.start import start_link
 
-    link = start_link(config, machine, wlan, remark)
+    link = start_link(config, machine, safety, wlan, remark)
     start_link = None
     unload("link.start", "core.version")
     return link
@@ -110,16 +112,41 @@ def _trust(config):
     return trust
 
 
-def _robot(config, avoid, drive, link, lidar, button, adc, screen_line):
+def _safety(config, lidar, drive, button, adc, note):
+    """(Safety, Health, Watchdog, what is to be said). After any reset but the one by power it stands, and says what it knows of the reason."""
+    import machine
+
+    from robot import PARTS
+    from safety.health import Health
+    from safety.safety import Safety
+    from safety.stop_button import StopButton
+    from safety.watchdog import Watchdog
+
+    once = config.once
+    cause = machine.reset_cause()
+    hung = cause == machine.WDT_RESET
+    remarks = []
+    if hung:
+        part = note[2] if note else 0
+        remarks.append("the watchdog has reset the board; at work was: " + PARTS[part if part < len(PARTS) else 0])
+    elif note is not None or cause != machine.PWRON_RESET:
+        remarks.append("restarted without a wish to: its power may have dipped" if cause == machine.PWRON_RESET else "restarted")
+    stands = remarks or not once["drive_autostart"]
+    if button is not None:
+        button = StopButton(button, once["pins_stop_closed"])
+    health = Health(drive, adc, config)
+    safety = Safety(lidar, drive, health, button, _trust(config), not stands, hung)
+    return safety, health, Watchdog(machine), remarks
+
+
+def _robot(config, avoid, lidar, drive, safety, health, watchdog, link, screen_line):
     """The robot, with what it shows."""
     from robot import Robot
-    from safety.health import Health
 
-    health = Health(lidar, drive, button, adc, config)
     screen = None
     if screen_line is not None:
         from link.screen import Screen
 
         screen = Screen(screen_line, config.screen_kind, config.screen_baud)
         unload("link.reason_texts", "link.screen_dialects")
-    return Robot(config, avoid, lidar, drive, health, link, screen, _trust(config))
+    return Robot(config, avoid, lidar, drive, safety, health, watchdog, link, screen)

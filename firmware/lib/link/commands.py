@@ -27,7 +27,7 @@ class Commands:
     """Takes commands in and holds what they ask for. The Link adds rare(now_us, robot), the module requests.py, and watch(flags, robot).
 
     config: the Config that is tuned; session: the random bytes of this boot; signer: auth.Signer of the network key, or None, in which case no signed
-    command is ever accepted.
+    command is ever accepted. safety: Safety, which lets it drive, or not.
 
     state           STOPPED, AUTO or MANUAL; af, ar (0.1 deg), v (0..180) count in MANUAL
     greeted         True when HELLO and NAMES are wanted; listing: number of the next PARAMETER wanted, or -1. Whoever sends them resets these
@@ -37,6 +37,10 @@ class Commands:
     replies         [(counter, type, status, text as bytes)] to the last commands, not sent yet
     """
 
+    @property
+    def state(self):
+        return self.safety.state
+
     def expire(self, now_us):
         """Stop driving by hand when the hand is gone."""
         if self.state == MANUAL and ticks_diff(now_us, self._heard_us) > _SILENCE_US:
@@ -44,12 +48,12 @@ class Commands:
 
     def stop(self):
         """Stand until told otherwise, as after the command to stop."""
-        self.state = STOPPED
+        self.safety.stop()
         self.v = 90
 
     def drive_itself(self):
-        """Drive on its own, as after the command."""
-        self.state = AUTO
+        """Drive on its own, as after the command. False while the stop button is pressed."""
+        return self.safety.start(AUTO)
 
     def obey(self, line, now_us, robot):
         """Carry out the command that a carrier has just taken; True when it is one and genuine. Its reply waits then."""
@@ -110,13 +114,14 @@ class Commands:
         if what == STOPPED:
             self.stop()
         elif what == AUTO:
-            self.state = what
+            return self.drive_itself()
         elif what == MANUAL and -900 <= af <= 900 and -900 <= ar <= 900 and v <= 180:
             silence = _SILENCE_US + 1 if self._heard_us is None else ticks_diff(now_us, self._heard_us)
             self._heard_us = now_us
             if self.state == STOPPED and silence <= _SILENCE_US:
                 return False  # stopped by somebody else, or by its button, under a hand that has not noticed yet
-            self.state = what
+            if not self.safety.start(what):
+                return False
             self.af = af
             self.ar = ar
             self.v = v

@@ -23,8 +23,6 @@ from micropython import const
 from core.unload import forget
 from link import messages
 from link.commands import Commands
-from link.telemetry import STOPPED
-from safety.health import STOP_BUTTON
 
 # What is told again and again, and how often; together within half of what the USB line carries, scans not counted
 _HELLO = const(0)
@@ -52,7 +50,7 @@ _NONCE = const(8)
 _SCANS_WANTED = const(1)  # flags of WATCH
 _CANDIDATES_WANTED = const(2)
 
-_LONG_US = const(1_000_000)  # a press of the stop button that lets a standing robot drive
+_STOP_BUTTON = const(1)  # of safety/faults.py
 _WAITING = const(6)  # lines of the log kept until there is room
 _QUIET_US = const(2_000_000)  # without a rare command: their module is let go
 _RESTART_US = const(200_000)  # for the reply to get out
@@ -61,14 +59,14 @@ _RESTART_US = const(200_000)  # for the reply to get out
 class Link(Commands):
     """See above.
 
-    config: Config; session, signer: see Commands; identity: the HELLO's JSON, bytes; encoder: Encoder;
+    config: Config; session, safety, signer: see Commands; identity: the HELLO's JSON, bytes; encoder: Encoder;
     carriers: list of SerialLine and Datagrams.
     """
 
-    def __init__(self, config, identity, encoder, carriers, session, signer=None):
+    def __init__(self, config, identity, encoder, carriers, session, safety, signer=None):
         from link.start import set_up_link
 
-        set_up_link(self, config, identity, encoder, carriers, session, signer)
+        set_up_link(self, config, identity, encoder, carriers, session, safety, signer)
 
     def log(self, level, text):
         """Queue a line for the log: level 0 information, 1 warning, 2 error; text a str. Allocates; not for every loop."""
@@ -103,8 +101,6 @@ class Link(Commands):
                 hears = hears or not line.signed  # strangers in the network must not be able to hold it up
             hears = hears or line.decoder.waiting()
         self.expire(now_us)
-        if robot.health is not None:
-            self._button(now_us, robot.health.fault == STOP_BUTTON)
         self._remark(robot)
         if idle:
             if self._unsealed == _SEALED:
@@ -166,24 +162,21 @@ class Link(Commands):
             self._drive_fault = fault
             if fault:
                 self.log(2, fault)
-        low = robot.health is not None and robot.health.battery_low
-        if low != self._battery_low:
-            self._battery_low = low
-            if low:
-                self.log(1, "battery is low: charge it soon")
-
-    def _button(self, now_us, pressed):
-        """The stop button is a command to stop, and like one it counts until there is another. Pressed long, it lets a standing robot drive."""
-        if pressed:
-            if self._pressed_us is None:
-                self._pressed_us = now_us
-                self._stood = self.state == STOPPED
+        fault = self.safety.fault
+        if fault != self._fault:
+            self._fault = fault
+            if fault == _STOP_BUTTON:
+                self.stop()
                 self.log(1, "stopped by its button; auto, driving by hand, or another press of a second lets it go on")
-            self.stop()
-        elif self._pressed_us is not None:
-            if self._stood and ticks_diff(now_us, self._pressed_us) >= _LONG_US:
-                self.drive_itself()
-            self._pressed_us = None
+        health = robot.health
+        if health.battery_low != self._battery_low:
+            self._battery_low = health.battery_low
+            if health.battery_low:
+                self.log(1, "battery is low: it drives slowly; charge it soon")
+        if health.lost != self._lost:
+            self._lost = health.lost
+            if health.lost:
+                self.log(2, "the battery's voltage is not measured any more: check the wire of its divider")
 
     def _tell(self, now_us, robot):
         """Put the next message together, if there is one, and send it unless it is long."""
@@ -254,9 +247,9 @@ class Link(Commands):
         if self._told_us[_POSE] != self._told_us[_WHEELS]:
             self._told_us[_POSE] = self._told_us[_WHEELS]
             return messages.pose(data, robot.odometry, now_us)
-        if robot.health is not None and self._is_due(_HEALTH, now_us, _HEALTH_US):
+        if self._is_due(_HEALTH, now_us, _HEALTH_US):
             self._told_us[_HEALTH] = now_us
-            return messages.health(data, robot.health, robot.lidar, self.dropped, self.refused, len(self._carriers) > 1)
+            return messages.health(data, robot, self.dropped, self.refused, len(self._carriers) > 1)
         return 0
 
     def _long(self, data, now_us, robot):

@@ -1,4 +1,4 @@
-"""What reasons.py and health.py number, in words. Loaded when somebody asks for the names, and where there is a screen."""
+"""What planner/reasons.py and safety/faults.py number, in words. Loaded when somebody asks for the names, and where there is a screen."""
 
 import json
 
@@ -22,9 +22,10 @@ REASONS = (
     "",
     "been here before, trying another way",
     "something new in the way, stopped",
+    "waiting for a start: page, screen, or stop button held a second",
 )
 
-# By the faults of health.py
+# By the numbers of safety/faults.py
 FAULTS = (
     "all is well",
     "stop button pressed",
@@ -32,6 +33,16 @@ FAULTS = (
     "a PWM chip does not answer: check its supply and the I2C lines",
     "battery is empty: charge it",
     "well again, waiting a moment before driving on",
+    "computing takes too long",
+    "out of memory: see the log",
+    "a PWM chip was lost three times: look for dips of its supply",
+    "part of the program failed: see the log",
+    "part of the program hung, the watchdog restarted it: see the log",
+    "no steering within the wheels' limits: see the log",
+    "what the lidar sees cannot be trusted: look at it",
+    "nothing moves: held, or no power",
+    "turns the wrong way",
+    "moves too slowly, or slips",
 )
 
 

@@ -14,6 +14,7 @@ _KEEP = const(0x43)
 _POINT = const(0x46)
 _RESTART = const(0x48)
 _NAMES = const(0x0C)
+_AUTO = const(1)
 _MANUAL = const(2)
 
 
@@ -47,10 +48,12 @@ def refuse_to_drive(payload):
     if len(payload) < 10:
         raise ValueError("%d bytes are too few" % len(payload))
     what, af, ar, v = struct.unpack_from("<BhhB", payload, 4)
+    if what == _AUTO:
+        raise ValueError("the stop button is pressed: let it go first")
     if what != _MANUAL:
         raise ValueError("drive %d: 0 stop, 1 auto, 2 manual" % what)
     if -900 <= af <= 900 and -900 <= ar <= 900 and v <= 180:
-        raise ValueError("stopped: let go for a moment, then drive on")
+        raise ValueError("stopped: let go for a moment, also of the stop button, then drive on")
     raise ValueError("AF %d, AR %d (0.1 deg, up to 900 either way), V %d (0 to 180)" % (af, ar, v))
 
 

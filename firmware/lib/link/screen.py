@@ -91,9 +91,9 @@ class Screen:
             self._put(b" points, lidar ")
             self._put_number(robot.lidar.speed20 * 3)
             self._put(b" rpm")
-        elif health.fault:
+        elif robot.safety.fault:
             self._put(b"! ")
-            self._put_text(self._first_fault + health.fault)
+            self._put_text(self._first_fault + robot.safety.fault)
         else:
             self._put(b"battery ")
             self._put_tenths(health.battery_mv // 100)

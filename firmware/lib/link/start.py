@@ -9,7 +9,7 @@ from micropython import const
 from core.version import VERSION
 from link.link import Link
 from link.serial_line import SerialLine
-from link.telemetry import AUTO, Decoder, Encoder
+from link.telemetry import Decoder, Encoder
 
 _COMMAND = const(200)  # longest payload of a command
 _KINDS = const(7)  # of what link.py tells again and again
@@ -17,10 +17,10 @@ _KEY = const(32)  # bytes; what is shorter, or empty, could be guessed
 _SESSION = const(8)  # auth.SESSION; that module is loaded only where there is a key
 
 
-def start_link(config, machine, wlan=None, remark=None):
+def start_link(config, machine, safety, wlan=None, remark=None):
     """Link over USB and, if robot.json names a network, over WiFi. Without it the radio is never touched.
 
-    machine: the module; wlan, remark: of link.wifi.connect(). Commands over WiFi need the file network.key; without it they are all refused.
+    machine: the module; safety: Safety; wlan, remark: of link.wifi.connect(). Commands over WiFi need the file network.key; without it they are all refused.
     """
     encoder = Encoder()
     carriers = [SerialLine()]
@@ -45,7 +45,7 @@ def start_link(config, machine, wlan=None, remark=None):
         except OSError:
             remarks.append("no network.key: commands over WiFi are refused; make deploy puts one on the board")
     identity = json.dumps(_identity(config, machine)).encode()
-    link = Link(config, identity, encoder, carriers, os.urandom(_SESSION), signer)
+    link = Link(config, identity, encoder, carriers, os.urandom(_SESSION), safety, signer)
     for remark in remarks:
         link.log(1, remark)
     return link
@@ -69,13 +69,13 @@ def _identity(config, machine):
     }
 
 
-def set_up_link(self, config, identity, encoder, carriers, session, signer):
+def set_up_link(self, config, identity, encoder, carriers, session, safety, signer):
     """Fields of a Link, and of the Commands in it."""
     self.config = config
     self.changed = {}
     self.session = session
     self.signer = signer
-    self.state = AUTO
+    self.safety = safety
     self.af = self.ar = self.refused = self.counter = 0
     self.v = 90
     self.greeted = self.restarting = False
@@ -95,8 +95,8 @@ def set_up_link(self, config, identity, encoder, carriers, session, signer):
     self._logs = []
     self._drive_fault = ""
     self._battery_low = False
-    self._pressed_us = None  # since when the stop button is held
-    self._stood = False  # before it was
+    self._fault = 0  # told last
+    self._lost = False
     self._turn = config.lidar_frames  # of the lidar; told at the start only
     self._watched = self._scan = None  # the module, while wanted; its ScanGatherer
     self._wanted = self._side = 0

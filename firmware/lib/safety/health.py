@@ -1,23 +1,10 @@
-"""Is the robot fit to drive? Looks at stop button, lidar, chips, battery, loop time and heap; the first thing that is not well stops it.
-
-if not health.check(now_us):
-    drive.stop()                 # health.fault says why
-"""
+"""What the robot knows of itself: battery, times of the loop, heap. safety.py makes of it what follows."""
 
 import gc
 from time import ticks_add, ticks_diff
 
 from micropython import const
 
-# What the faults are called, by these numbers, stands in link/reason_texts.py.
-_NONE = const(0)
-STOP_BUTTON = const(1)  # the link's too: a press may mean more than a stop
-_LIDAR = const(2)
-_CHIPS = const(3)
-_BATTERY = const(4)
-_SETTLING = const(5)
-
-_SETTLE_US = const(500_000)  # a contact that comes and goes must not make the robot jerk
 _BATTERY_US = const(100_000)
 _HEAP_US = const(10_000_000)
 _TOP_MV = const(3300)  # what the ADC reads as 65535, where the chip does not know better
@@ -27,51 +14,46 @@ _EMPTY_READINGS = const(20)  # so many in a row, or each start of the motors wou
 
 
 class Health:
-    """The robot's self-check.
+    """drive: has `ok` and `v256`; adc: ADC with `read_uv()`, or `read_u16()` where that raises OSError because the chip was not calibrated, or None;
+    config: battery_divider1000, battery_low, battery_empty (mV).
 
-    lidar: has `ok`; drive: has `ok` and `v256`; stop_button: Pin, low when pressed, or None; adc: ADC with
-    `read_uv()`, or `read_u16()` where that raises OSError because the chip was not calibrated, or None; config: battery_divider1000, battery_low, battery_empty (mV).
-
-    fault           what stops the robot, one of the numbers above; 0 if nothing does
-    battery_mv      smoothed, 0 when unknown; battery_low: True when it should be charged soon
+    battery_mv      smoothed, 0 when unknown; battery_low: True when it should be charged soon; lost: True when it was known and is not any more
     worst_us        longest time between two checks in the last second or two
     heap_free       bytes, looked at seldom and only while the robot stands, because counting takes milliseconds
     uptime_ms       since the first check
     chips           True while all PWM chips answer
     """
 
-    def __init__(self, lidar, drive, stop_button, adc, config):
-        self._lidar = lidar
+    def __init__(self, drive, adc, config):
         self._drive = drive
-        self._button = stop_button
         self._adc = adc
         self._config = config
-        self.fault = _LIDAR
         self.battery_mv = 0
-        self.battery_low = False
+        self.battery_low = self.lost = False
         self.worst_us = 0
         self.heap_free = gc.mem_free()
         self.uptime_ms = 0
         self._empty = 0
         self._checked_us = None
-        self._well_us = None
-        self._battery_us = 0
-        self._heap_us = 0
-        self._second_us = 0
-        self._millisecond_us = 0
+        self._battery_us = self._heap_us = self._second_us = self._millisecond_us = None
         self._worst_now = 0
-        self._started = False
         self._calibrated = True
 
     @property
     def chips(self):
         return self._drive.ok
 
+    @property
+    def empty(self):
+        """True from an empty battery on until it is charged: one whose wire comes off then is no better."""
+        return self._empty >= _EMPTY_READINGS
+
     def check(self, now_us):
-        """True when the robot may drive. Call once a loop; allocates nothing."""
+        """Once a turn of the loop; returns what the turn before took, us. Allocates nothing."""
         if self._checked_us is None:
             self._checked_us = self._battery_us = self._heap_us = self._second_us = self._millisecond_us = now_us
-        self._time(now_us)
+        took = ticks_diff(now_us, self._checked_us)
+        self._time(now_us, took)
         if self._adc is not None and ticks_diff(now_us, self._battery_us) >= _BATTERY_US:
             self._battery_us = now_us
             self._measure_battery()
@@ -79,33 +61,9 @@ class Health:
             self._heap_us = now_us
             gc.collect()  # what commands have left behind, before it must be done while driving
             self.heap_free = gc.mem_free()
-        fault = self._find()
-        if fault:
-            # What has not begun to work yet is no interruption: no settling after the start.
-            self._well_us = now_us if self._started else None
-        elif self._well_us is not None:
-            if ticks_diff(now_us, self._well_us) < _SETTLE_US:
-                fault = _SETTLING
-            else:
-                self._well_us = None
-        if not fault:
-            self._started = True
-        self.fault = fault
-        return not fault
+        return took
 
-    def _find(self):
-        if self._button is not None and not self._button.value():
-            return STOP_BUTTON
-        if not self._drive.ok:
-            return _CHIPS
-        if not self._lidar.ok:
-            return _LIDAR
-        if self._empty >= _EMPTY_READINGS:
-            return _BATTERY
-        return _NONE
-
-    def _time(self, now_us):
-        took = ticks_diff(now_us, self._checked_us)
+    def _time(self, now_us, took):
         self._checked_us = now_us
         if took > self._worst_now:
             self._worst_now = took
@@ -123,9 +81,12 @@ class Health:
         # Millivolts at the pin first: the product of microvolts and divider would leave the small integers.
         reading = self._millivolts() * self._config.battery_divider1000 // 1000
         if reading < _LEAST_MV:
-            self.battery_mv = self._empty = 0
-            self.battery_low = False
+            self.lost = self.lost or self.battery_mv > 0
+            self.battery_mv = 0
+            if self._empty < _EMPTY_READINGS:
+                self._empty = 0
             return
+        self.lost = False
         if not self.battery_mv:
             self.battery_mv = reading
         self.battery_mv += (reading - self.battery_mv) // 8

@@ -158,6 +158,13 @@ class WDT:
         pass
 
 
+class RTC:
+    """A clock whose memory takes what it is given."""
+
+    def memory(self, data=None):
+        return b"" if data is None else None
+
+
 def reset():
     raise SystemExit
 

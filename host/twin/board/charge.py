@@ -571,9 +571,9 @@ def _screen(self, now_us, robot, link):
 
 
 @_wraps(_BUILD, "core.start:build")
-def _build(path="robot.json"):
+def _build(*arguments):
     enter()
-    out = _originals[_BUILD](path)
+    out = _originals[_BUILD](*arguments)
     leave(_BUILD, 0, 0)
     settle()
     return out

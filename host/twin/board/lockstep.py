@@ -7,7 +7,7 @@ told what will arrive. Nothing here allocates once the firmware's loop runs, so 
 
 A request (firmware to twin, little-endian):
 
-    u32 length | u8 kind | u8 address | u16 size | u32 ticks | u32 rounds | u32 duration | 11 i32 probe | u32 overflows | i32 watchdog | events
+    u32 length | u8 kind | u8 address | u16 size | u32 ticks | u32 rounds | u32 duration | 11 i32 probe | u32 overflows | i32 watchdog | 9 u8 kept | events
 
     kind ADVANCE    `duration` us pass
          READ       `size` bytes from the I2C device at `address`; the events before it have happened
@@ -17,6 +17,7 @@ A request (firmware to twin, little-endian):
     probe           the firmware's latest decision, see `_probe`; its first word is 0 while there is none
     overflows       bytes lost because a UART's buffer was full
     watchdog        us from the end of the duration until the watchdog resets the board, -1 = there is none
+    kept            what the RTC's memory holds: number of bytes, up to 8, and they. After a reset the twin leaves it in the file rtc.bin
     event           u32 ticks | u8 kind | u8 where | u16 value | data
                     I2C write: address, number of data bytes; pin: GPIO, level; PWM duty: GPIO, 0..65535; PWM frequency: GPIO, Hz (up to
                     65535); UART output: GPIO of tx, number of data bytes
@@ -47,10 +48,12 @@ _REPLY = const(1024)
 _SHORT = const(256)
 _PAYLOAD = const(128)
 
-_HEADER = const(72)
+_HEADER = const(81)
 _PROBE = const(20)
 _OVERFLOWS = const(64)
 _WATCHDOG = const(68)
+_KEPT = const(72)
+_KEPT_SIZE = const(9)
 _EVENT = const(8)
 _REQUEST = const(1024)  # what does not fit goes ahead of its time
 _AHEAD = const(0)
@@ -79,6 +82,7 @@ _reply = array("i", [0] * (_REPLY // 4))
 _answer = array("i", [0] * (_SHORT // 4))  # to _READ and _FLUSH: chunks still on the wire stay in _reply
 _inputs = _reply
 _taken = array("i", [0] * _CHUNKS)
+kept = bytearray(_KEPT_SIZE)
 _receivers = {}  # by GPIO
 _to_twin = None
 _from_twin = None
@@ -94,6 +98,11 @@ def connect(source, sink, ticks, started_by):
     _from_twin = open(source, "rb")
     _to_twin = open(sink, "wb")
     cause = started_by
+    try:
+        with open("rtc.bin", "rb") as file:
+            file.readinto(kept)
+    except OSError:
+        pass  # the power was off
     now, rounds = ticks & MASK, ticks >> 30
     now_ms, _part_us = ticks // 1000 & MASK, ticks % 1000
     _exchange(_FLUSH, 0, 0, 0)
@@ -229,6 +238,7 @@ def _exchange(kind, address, size, duration):
     struct.pack_into("<IBBHIII", _request, 0, _used, kind, address, size, now, rounds, duration)
     struct.pack_into("<I", _request, _OVERFLOWS, overflows)
     struct.pack_into("<i", _request, _WATCHDOG, watchdog_us)
+    copy(_request, _KEPT, kept, 0, _KEPT_SIZE)
     _probe()
     answer = _reply if kind == _ADVANCE else _answer
     try:

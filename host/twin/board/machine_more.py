@@ -70,3 +70,14 @@ class Timer:
 
     def deinit(self):
         """Accepted."""
+
+
+class RTC:
+    """The real-time clock's memory, which every reset leaves as it is: the twin keeps it, see lockstep.py."""
+
+    def memory(self, data=None):
+        """The bytes kept, or keep others, up to eight."""
+        if data is None:
+            return bytes(lockstep.kept[1 : 1 + lockstep.kept[0]])
+        lockstep.kept[0] = len(data)
+        lockstep.copy(lockstep.kept, 1, data, 0, len(data))
