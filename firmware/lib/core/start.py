@@ -6,14 +6,22 @@ back; machine code, which has to lie in a part of it; and the drivers of radio a
 
 import gc
 
+from micropython import const
+
 from core.unload import unload
+
+_POWER_ON = const(1)  # of machine.reset_cause()
+_WDT_RESET = const(3)
 
 # What holds machine code, and stays: each with what it imports.
 _MACHINE_CODE = ("link.telemetry", "actuation.drive", "lidar", "avoid")
 
 
 def build(note=None, path="robot.json"):
-    """The Robot. note: what the life before this one left, see safety/watchdog.py; None after power was switched on. In doubt nothing moves: what is wrong is printed on the USB line and raised (ValueError, OSError)."""
+    """The Robot. In doubt nothing moves: what is wrong is printed on the USB line and raised (ValueError, OSError).
+
+    note: what the life before this one left, see safety/watchdog.py; None after power was switched on.
+    """
     # Garbage between the things that stay would cut the heap to pieces, and make it grow before the others have had their part; a collection
     # at every 2 kB, though, would take longer than the start itself.
     gc.threshold(4096)
@@ -124,13 +132,13 @@ def _safety(config, lidar, drive, button, adc, note):
 
     once = config.once
     cause = machine.reset_cause()
-    hung = cause == machine.WDT_RESET
+    hung = cause == _WDT_RESET
     remarks = []
     if hung:
         part = note[2] if note else 0
         remarks.append("the watchdog has reset the board; at work was: " + PARTS[part if part < len(PARTS) else 0])
-    elif note is not None or cause != machine.PWRON_RESET:
-        remarks.append("restarted without a wish to: its power may have dipped" if cause == machine.PWRON_RESET else "restarted")
+    elif note is not None or cause != _POWER_ON:
+        remarks.append("restarted without a wish to: its power may have dipped" if cause == _POWER_ON else "restarted")
     stands = remarks or not once["drive_autostart"]
     if button is not None:
         button = StopButton(button, once["pins_stop_closed"])

@@ -30,8 +30,9 @@ class Watchdog:
         """From now on it wants to be fed once a second; nothing but a reset ends that."""
         machine = self._machine
         if machine is not None:
-            self.keep = machine.RTC().memory
-            self.keep(self.note)
+            if hasattr(machine, "RTC"):  # a build without it is watched all the same
+                self.keep = machine.RTC().memory
+                self.keep(self.note)
             self.feed = machine.WDT(timeout=_TIMEOUT_MS).feed
 
     def prompt(self):
