@@ -40,6 +40,7 @@ class Robot:
         self.screen = screen
         self.odometry = Odometry(config)
         self.trust = safety.trust
+        self.motion = safety.motion
         self.took_us = 0
         self._slices_us = 0
         self._slices = 0  # of the decision, still to be made before the next frame
@@ -91,7 +92,9 @@ class Robot:
             if link is not None:
                 link.frame(lidar)
             if trust is not None:
-                trust.frame(lidar, odometry, drive.told_v256)
+                # In this order: the second puts what is unknown into the frame.
+                self.motion.frame(lidar, odometry, drive.told_v256, not trust.fault)
+                trust.frame(lidar, odometry, drive.told_v256, self.motion.way)
             avoid.frame(lidar, odometry)
             seen = True
         safety = self.safety

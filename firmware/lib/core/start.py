@@ -113,11 +113,13 @@ def _lidar(config, line, motor):
 
 
 def _trust(config):
+    from perception.motion_check import MotionCheck
     from perception.scan_trust import ScanTrust
 
     trust = ScanTrust(config)
+    motion = MotionCheck(config)
     unload("perception.build")
-    return trust
+    return trust, motion
 
 
 def _safety(config, lidar, drive, button, adc, note):
@@ -143,7 +145,8 @@ def _safety(config, lidar, drive, button, adc, note):
     if button is not None:
         button = StopButton(button, once["pins_stop_closed"])
     health = Health(drive, adc, config)
-    safety = Safety(lidar, drive, health, button, _trust(config), not stands, hung)
+    trust, motion = _trust(config)
+    safety = Safety(lidar, drive, health, button, trust, not stands, hung, motion)
     return safety, health, Watchdog(machine), remarks
 
 

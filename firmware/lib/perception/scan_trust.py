@@ -89,8 +89,8 @@ class ScanTrust:
         self.fault = _SCAN
         self.most = _ANY
 
-    def frame(self, lidar, odometry, v256):
-        """Once a frame, before the map gets it. v256: what the motors are told, for its sign."""
+    def frame(self, lidar, odometry, v256, blocked=0):
+        """Once a frame, before the map gets it. v256: what the motors are told, for its sign. blocked: 1 ahead, 2 behind, 0 neither is taken for so."""
         rows = self._rows
         state = self._state
         size = len(rows)
@@ -110,8 +110,8 @@ class ScanTrust:
             state[_ALIKE] = state[_ALIKE] + _ROW if total == rows[at + _SUM] else 0
         rows[at] = now
         rows[at + _BEAMS] = n
-        if state[_LEAST]:
-            self._border(lidar, odometry, at)
+        if state[_LEAST] or blocked:
+            self._border(lidar, odometry, at, blocked)
         rows[at + _RETURNS] = returns
         rows[at + _SUM] = total
         if late or not n or state[_SEEN] * 100 < state[_LEAST] * state[_ALL] or state[_ALIKE] >= size:
@@ -121,28 +121,30 @@ class ScanTrust:
         self.fault = 0 if state[_GOOD] >= size else _SCAN
         self.most = _SLOW if v256 >= 0 and state[_WAYS + 1] or v256 <= 0 and state[_WAYS + 2] else _ANY
 
-    def _border(self, lidar, odometry, at):
-        """Whether the frame's place is unknown; if so, the border of what was seen free there into the frame."""
+    def _border(self, lidar, odometry, at, blocked):
+        """Whether the frame's place is unknown, or in the blocked way; if so, the border of what was seen free there into the frame."""
         rows = self._rows
         state = self._state
         n = lidar.n
         bearing = lidar.bearings[n >> 1]
         way = slow = 0
+        if bearing <= _CONE or bearing >= 3600 - _CONE:
+            way = 1
+        elif -_CONE <= bearing - 1800 <= _CONE:
+            way = 2
         if state[_COUNT] << 3 > n:
             rows[at + _RANGE] = state[_LARGEST] >> 2
             rows[at + _ROLLED] = (odometry.travel256 >> 8) & 0xFFFF
-        elif rows[at + _RETURNS] << 3 <= rows[at + _BEAMS]:  # the time before was no better
-            if bearing <= _CONE or bearing >= 3600 - _CONE:
-                way = 1
-            elif -_CONE <= bearing - 1800 <= _CONE:
-                way = 2
-        if way:
+            unknown = False
+        else:
+            unknown = state[_LEAST] and rows[at + _RETURNS] << 3 <= rows[at + _BEAMS]  # the time before was no better
+        if way and (unknown or way == blocked):
             # The body turns: what a place looks at now, one beside it may have seen.
             rolled = odometry.travel256 >> 8
             size = len(rows)
             nearest = border = state[_NEAREST + way]
             k = size - _ROW
-            while k <= size + _ROW:
+            while way != blocked and k <= size + _ROW:
                 row = (at + k) % size
                 seen = rows[row + _RANGE]
                 if seen:

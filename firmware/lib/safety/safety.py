@@ -41,7 +41,7 @@ _SLOW_V = const(9)  # with a low battery: half the usual speed
 
 class Safety:
     """lidar: has `ok`; drive: has `ok`, `restarts` and `told_v256`; health: Health; button: StopButton or None;
-    trust: ScanTrust, has `fault` and `most`, or None.
+    trust: ScanTrust, has `fault` and `most`, or None; motion: MotionCheck, has `fault`, `alarm` and `clear()`, or None.
 
     autostart: True if it drives without being asked. hung: True after the watchdog has reset the board.
 
@@ -51,12 +51,13 @@ class Safety:
     failures        exceptions that the loop has survived
     """
 
-    def __init__(self, lidar, drive, health, button, trust=None, autostart=False, hung=False):
+    def __init__(self, lidar, drive, health, button, trust=None, autostart=False, hung=False, motion=None):
         self._lidar = lidar
         self._drive = drive
         self._health = health
         self._button = button
         self.trust = trust
+        self.motion = motion  # with trust only
         self.state = AUTO if autostart else STOPPED
         self.waiting = not autostart
         self.fault = _LIDAR
@@ -76,6 +77,8 @@ class Safety:
         self.state = state
         self.waiting = False
         self._latched = _NONE
+        if self.motion is not None:
+            self.motion.clear()
         return True
 
     def stop(self):
@@ -133,6 +136,11 @@ class Safety:
             return _LIDAR
         if self._health.empty:
             return _BATTERY
+        motion = self.motion
+        if motion is not None and motion.fault:
+            if motion.alarm:
+                self._latched = motion.fault
+            return motion.fault
         trust = self.trust
         return _NONE if trust is None else trust.fault
 
