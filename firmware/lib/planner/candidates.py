@@ -15,7 +15,6 @@ Coordinates: body frame, mm + 8192 (never negative). Lengths: travel of the fast
 from micropython import const
 
 from core.trig import cos14, sin14
-from core.unload import unload
 
 BIAS = const(8192)
 LENGTHS = const(5)
@@ -41,22 +40,9 @@ class Candidates:
     """
 
     def __init__(self, config):
-        from planner import tables
+        from planner.build import candidates
 
-        self.af, self.ar, self.lengths, self.consts, self.table, self.seconds, self.strips, self.ends, self.turns = tables.load(config, 0)
-        tables = None
-        unload("planner.tables")
-        self.count = len(self.af)
-        self.arcs = len(self.consts) // _ARC_STRIDE
-        all_wheels = config.mode == "AWS"
-        self.ahead_end = self.arcs if all_wheels else self.arcs // 2
-        self.astern_first = 0 if all_wheels else self.arcs // 2
-        self.half_width = config.robot_width // 2
-        self.half_length = config.robot_length // 2
-        self.margin = config.avoid_margin
-        self.soft = config.avoid_soft_margin
-        self.look_ahead = config.windows_look_ahead
-        self.end_x = self.end_y = self.end_turn = 0
+        candidates(self, config)
 
     def af_of(self, mirroring, k):
         """AF of a candidate in a mirroring, 0.1 deg: backward, front and rear change places."""

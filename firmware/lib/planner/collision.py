@@ -8,13 +8,10 @@ infinity (straight and crab) the ring is a strip and the outline two slopes.
 Coordinates: body frame, mm + 8192 (never negative). Lengths: travel of the fastest wheel, mm.
 """
 
-from array import array
-
 import micropython
 from micropython import const
 
 from core.trig import SIN
-from perception.windows import BAND_MM
 
 # Fields of the job: what to test against what, in mm.
 _NEAR = const(0)  # points near the outline, which come first
@@ -36,7 +33,6 @@ _BAND = const(15)  # how far beyond the margin the near points are looked at one
 
 _INNER = const(16)  # square mm, what _rings() finds: two each
 _OUTER = const(18)
-_FIELDS = const(20)
 
 # Fields of an arc's constants, 16-bit words: candidate_arcs.py
 _ARC_STRIDE = const(8)
@@ -397,15 +393,9 @@ class CollisionCheck:
     """The tests of the candidates of some Candidates: prepare() for the points, then check() candidates."""
 
     def __init__(self, candidates):
-        self._candidates = candidates
-        self._job = job = array("i", bytes(4 * _FIELDS))
-        job[_HALF_WIDTH] = candidates.half_width
-        job[_HALF_LENGTH] = candidates.half_length
-        job[_MARGIN] = candidates.margin
-        job[_SOFT] = candidates.soft
-        job[_LOOK_AHEAD] = candidates.look_ahead
-        job[_ARCS] = candidates.arcs
-        job[_BAND] = BAND_MM << 3
+        from planner.build import collision
+
+        collision(self, candidates)
 
     def prepare(self, n, near, stride, floor):
         """What several check() have in common: n points, those near the outline first (`near` of them, see perception/windows.py); each stride-th of the arcs is

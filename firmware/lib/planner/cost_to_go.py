@@ -14,12 +14,9 @@ A grid is made in slices, so that no call takes long: cost_grid.py, propagate.py
 Lengths on the floor are 1/8 mm modulo 2**16.
 """
 
-from array import array
-
 import micropython
 from micropython import const
 
-from core.unload import unload
 from planner import heading_branch
 from planner.cost_grid import close, cover, fill, seed
 from planner.propagate import propagate
@@ -39,9 +36,6 @@ _KNEE = const(216)  # of costs: see propagate.py
 _GRID_X = const(0)
 _GRID_Y = const(1)
 _GRID_CELL = const(2)
-# log2 of sixteenths of a cell in a unit of cost; where the last axle stays straight, to and fro costs more
-_UNIT = const(2)
-_UNIT_NAWS = const(3)
 
 
 @micropython.viper
@@ -128,34 +122,9 @@ class CostToGo:
     """
 
     def __init__(self, config):
-        from planner import tables
+        from planner.build import cost_to_go
 
-        self._masks, self._primitives, self._rim = tables.load(config, 1)
-        tables = None
-        unload("planner.tables")
-        cell = config.robot_length * 8 // 12
-        self.cost = bytearray(_STATES + 1)  # the last byte: log2 of sixteenths of a cell in a unit
-        self.cost[_STATES] = shift = _UNIT if config.mode == "AWS" else _UNIT_NAWS
-        self.scratch = array("H", bytes(4 * 3 * _ROWS + _PLACES))
-        view = memoryview(self.scratch)
-        self._closed = view[: 2 * _ROWS]
-        self._near = view[2 * _ROWS : 4 * _ROWS]
-        self._marks = view[4 * _ROWS : 6 * _ROWS]
-        self._revisit = view[6 * _ROWS :]
-        radius = config.robot_width * 4 + cell // 2  # of what the trail makes expensive
-        self.grid = array("i", (0, 0, cell, radius, len(self._masks) // (16 * _TURNS)))  # of cost_grid.py
-        self._wave = array("i", (0, 0, 0, 0, 0, shift, 20, 16, 4, 0) if config.mode == "AWS" else (0, 0, 0, 0, 0, shift, 24, 16, 6, 1))  # of propagate.py
-        self._trail = array("H", bytes(2 * 2 * _TRAIL))  # x, y
-        self._laid = 0  # points of it so far
-        self.ux = 0  # direction of travel over the last few lengths, * 2**10
-        self.uy = 1024
-        self._pose = array("i", (0, 0, 0))  # for at()
-        self._stage = 0
-        self._lean = 0
-        self._k = 0
-        self.builds = 0
-        self._px = 0
-        self._py = 0
+        cost_to_go(self, config)
 
     def follow(self, odometry):
         """Lay the trail and turn the sense of direction with the robot. Call once a frame."""

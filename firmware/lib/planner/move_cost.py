@@ -7,8 +7,6 @@ Points only ever make a move worse. So its cost as if there were none is a lower
 first with all points counted, and most candidates are never checked.
 """
 
-from array import array
-
 import micropython
 from micropython import const
 
@@ -46,7 +44,6 @@ _CHANGE = const(13)
 _EXTRA = const(14)  # mm on all
 _BOUND = const(15)  # 1: as if there were no points
 _WAY = const(16)  # mm that are to be free, and not narrow
-_FIELDS = const(17)
 
 
 def in_a_slice(n):
@@ -187,12 +184,9 @@ class MoveCost:
     """
 
     def __init__(self, cost_to_go, candidates):
-        self.cost_to_go = cost_to_go
-        self._candidates = candidates
-        self._job = array("i", [0] * _FIELDS)
-        self._poses = array("i", [0] * 15)
-        self.checked = bytearray(candidates.count)
-        self.x = self.y = self.heading = 0
+        from planner.build import move_cost
+
+        move_cost(self, cost_to_go, candidates)
 
     def configure(self, config):
         """Take over weights that may have been tuned."""
