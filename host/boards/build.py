@@ -71,13 +71,13 @@ def build(out: Path, firmware: Path, architecture: str = ARCHITECTURE) -> list[B
 def put_tables(settings: bytes, folder: Path) -> BoardFile | None:
     """Make the tables that a robot.json asks for, in `folder`; None where the firmware makes them itself, or cannot: then it says why at its start."""
     try:
-        from planner import make_tables
+        from planner import tables
     except ImportError:
         return None
     from params.config import Config
 
     try:
-        make_tables.save(Config(json.loads(settings)), str(folder / TABLES))
+        tables.save(Config(json.loads(settings)), str(folder / TABLES))
     except ValueError:
         return None
     return BoardFile(TABLES, folder / TABLES)

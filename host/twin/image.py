@@ -68,7 +68,10 @@ sys.path[:0] = [firmware + "/lib", root]
 from host import compat
 compat.install(firmware)
 from params.config import Config
-from planner.make_tables import save
+try:
+    from planner.tables import save
+except ImportError:  # older firmware
+    from planner.make_tables import save
 try:
     config = Config(json.load(open(robot)))
 except ValueError:

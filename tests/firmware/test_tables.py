@@ -59,7 +59,7 @@ def test_the_board_reads_what_was_saved_and_makes_nothing():
             config = Config({"mode": mode})
             made = _all(config)
             os.remove("tables.bin")
-            make_tables.save(config, "tables.bin")
+            tables.save(config, "tables.bin")
             assert _nothing_is_made(config) == made
 
     _in_a_robots_folder(check)
@@ -71,7 +71,7 @@ def test_what_the_board_made_it_finds_again():
         made = _all(config)
         assert _nothing_is_made(config) == made
         found = _content()
-        make_tables.save(config, "tables.bin")
+        tables.save(config, "tables.bin")
         assert _content() == found
 
     _in_a_robots_folder(check)

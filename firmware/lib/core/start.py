@@ -102,7 +102,7 @@ def _link(config, safety, wlan, remark):
 
     link = start_link(config, machine, safety, wlan, remark)
     start_link = None
-    unload("link.start", "core.version")
+    unload("link.start", "link.build", "core.version")
     return link
 
 

@@ -64,7 +64,7 @@ class Link(Commands):
     """
 
     def __init__(self, config, identity, encoder, carriers, session, safety, signer=None):
-        from link.start import set_up_link
+        from link.build import set_up_link
 
         set_up_link(self, config, identity, encoder, carriers, session, safety, signer)
 

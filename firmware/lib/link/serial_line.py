@@ -37,7 +37,7 @@ class SerialLine:
     signed = False
 
     def __init__(self, source=None, sink=None, clock=ticks_us):
-        from link.start import set_up_line
+        from link.build import set_up_line
 
         set_up_line(self, source or sys.stdin, sink or sys.stdout, clock)
         micropython.kbd_intr(-1)

@@ -1,52 +1,6 @@
-"""Making the planner's tables and writing them to their file, see tables.py. On the board loaded only where the file does not fit, then let go."""
-
-import os
-from array import array
-from binascii import crc32
-from struct import pack
-
-from micropython import const
+"""Making the planner's tables, see tables.py. On the board loaded only where their file does not fit, then let go."""
 
 from core.unload import unload
-from planner.tables import PATH, TYPES, head, read
-
-_HEAD = const(12)
-_BYTES = {"B": 1, "h": 2, "H": 2, "i": 4}
-
-
-def save(config, path):
-    """Make all tables for a Config and write them to path, for the board to find as tables.bin. OSError if it cannot be written."""
-    with open(path, "wb") as file:
-        file.write(head(config))
-        for part in (0, 1):
-            _write(file, make(config, part), part)
-
-
-def _write(file, arrays, part):
-    found = 0
-    for made in arrays:
-        found = crc32(made, found)
-    file.write(array("H", [len(made) * _BYTES[kind] for made, kind in zip(arrays, TYPES[part])]))
-    file.write(pack("<I", found))
-    for made in arrays:
-        file.write(made)
-
-
-def keep(config, arrays, part):
-    """Write what was made, behind what fits before it. Without a robot.json this is no robot's folder, and nothing is left there."""
-    try:
-        os.stat("robot.json")
-        if part == 0:
-            with open(PATH, "wb") as file:
-                file.write(head(config))
-                _write(file, arrays, part)
-        else:
-            with open(PATH, "r+b") as file:
-                if file.read(_HEAD) == head(config):
-                    file.seek(sum(read(file, 0)) + 4, 1)
-                    _write(file, arrays, part)
-    except (OSError, ValueError):
-        pass
 
 
 def make(config, part):

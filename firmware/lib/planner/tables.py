@@ -2,7 +2,7 @@
 
 What the planner knows of the robot before it sees anything depends on robot.json alone: for the cost to go its footprint masks and motion primitives, for the
 candidates what the body sweeps. Making that takes seconds on the ESP32 and leaves the names of the code that makes it in the heap, so it is
-made on the laptop when the robot is set up (make_tables.save()) and put beside robot.json as tables.bin. Where that is missing, or was made for another robot.json,
+made on the laptop when the robot is set up (save()) and put beside robot.json as tables.bin. Where that is missing, or was made for another robot.json,
 the board makes the tables itself and tries to write them; a file system that is full or read-only costs the time again at the next start, no more.
 
     head   "GSTB", version (2 bytes), 0 (2 bytes), key (4 bytes): CRC-32 of the parameters that the tables depend on
@@ -12,6 +12,7 @@ the board makes the tables itself and tries to write them; a file system that is
 Little-endian, as every machine that this runs on.
 """
 
+import os
 from array import array
 from binascii import crc32
 from struct import pack
@@ -58,10 +59,20 @@ def load(config, part):
         from planner import make_tables
 
         arrays = make_tables.make(config, part)
-        make_tables.keep(config, arrays, part)
+        keep(config, arrays, part)
         make_tables = None
         unload("planner.make_tables")
     return arrays
+
+
+def save(config, path):
+    """Make all tables for a Config and write them to path, for the board to find as tables.bin. OSError if it cannot be written."""
+    from planner import make_tables
+
+    with open(path, "wb") as file:
+        file.write(head(config))
+        for part in (0, 1):
+            write(file, make_tables.make(config, part), part)
 
 
 def head(config):
@@ -79,3 +90,30 @@ def read(file, part):
     if file.readinto(sizes) != 2 * len(sizes) or max(sizes) > _LARGEST:
         raise ValueError
     return sizes
+
+
+def keep(config, arrays, part):
+    """Write what was made, behind what fits before it. Without a robot.json this is no robot's folder, and nothing is left there."""
+    try:
+        os.stat("robot.json")
+        if part == 0:
+            with open(PATH, "wb") as file:
+                file.write(head(config))
+                write(file, arrays, part)
+        else:
+            with open(PATH, "r+b") as file:
+                if file.read(_HEAD) == head(config):
+                    file.seek(sum(read(file, 0)) + 4, 1)
+                    write(file, arrays, part)
+    except (OSError, ValueError):
+        pass
+
+
+def write(file, arrays, part):
+    found = 0
+    for made in arrays:
+        found = crc32(made, found)
+    file.write(array("H", [len(made) * {"B": 1, "i": 4}.get(kind, 2) for made, kind in zip(arrays, TYPES[part])]))
+    file.write(pack("<I", found))
+    for made in arrays:
+        file.write(made)
