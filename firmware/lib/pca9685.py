@@ -94,6 +94,14 @@ class PCA9685:
         self.start()
         return False
 
+    def awake(self):
+        """False if it has been reset: a chip without settings sleeps. A part of check()."""
+        try:
+            self._i2c.readfrom_mem_into(self.address, _MODE1, self._byte)
+        except OSError:
+            self._absent()
+        return not self._byte[0] & _SLEEP
+
     def deinit(self):
         """Every output off, oscillator stopped."""
         self._send(_CLEARED)

@@ -5,7 +5,7 @@ from math import exp
 from time import ticks_add
 
 import micropython
-from fake_chips import FakeBus, FakePin
+from fake_chips import PRE_SCALE, FakeBus, FakePin
 
 from actuation.drive import Drive
 from actuation.outputs import Outputs
@@ -527,14 +527,15 @@ def test_bursts_end_with_the_last_output_in_use():
     assert [length for length in lengths if length > 5] == [41, 41, 41]
 
 
-def test_no_chip_is_looked_at_where_all_three_are_written_though_each_is_within_a_second():
+def test_no_chip_is_set_right_where_all_three_are_written_though_each_is_within_a_second():
     robot = _Robot({"servos": {"swing": 90}}).ready()
     bus = robot.bus
     looked = []
     read = bus.readfrom_mem_into
 
     def watched(address, register, buffer):
-        looked.append(address)
+        if register == PRE_SCALE:
+            looked.append(address)
         read(address, register, buffer)
 
     bus.readfrom_mem_into = watched
@@ -549,6 +550,23 @@ def test_no_chip_is_looked_at_where_all_three_are_written_though_each_is_within_
         if k % 70 == 69:
             assert set(looked) == {SERVOS, LEFT, RIGHT}
             looked.clear()
+
+
+def test_a_driving_robot_looks_at_each_chip_five_times_in_a_third_of_a_second():
+    robot = _Robot().ready()
+    looked = []
+    read = robot.bus.readfrom_mem_into
+
+    def watched(address, register, buffer):
+        looked.append(address)
+        read(address, register, buffer)
+
+    robot.bus.readfrom_mem_into = watched
+    robot.drive.command(0, 0, 108)
+    robot.step()
+    for _ in range(15):
+        robot.step()
+    assert min(looked.count(address) for address in (SERVOS, LEFT, RIGHT)) >= 5
 
 
 def test_a_garbled_register_is_put_right():

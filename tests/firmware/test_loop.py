@@ -89,6 +89,7 @@ def _run(mode):
 
 def _check(mode):
     robot, bus, stages = _run(mode)
+    assert robot.safety.failures == 0 and robot.safety.fault == 0
     assert robot.lidar.errors == 0 and robot.lidar.frames == len(_ROOMS) * _TURNS * rooms.FRAMES
     if _TURNS > 2:
         assert robot.avoid.decisions > 15, robot.avoid.decisions

@@ -169,3 +169,14 @@ def test_nothing_is_allocated_in_use():
             chip.check()
     finally:
         micropython.heap_unlock()
+
+
+def test_a_chip_that_was_reset_sleeps():
+    bus = FakeBus()
+    chip = PCA9685(bus, 0x40)
+    chip.start()
+    assert chip.awake()
+    bus.chips[0x40].reset()
+    assert not chip.awake()
+    bus.chips[0x40].present = False
+    assert "0x40" in _error(chip.awake)

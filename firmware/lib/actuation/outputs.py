@@ -154,6 +154,8 @@ class Outputs:
                 if changed | 1 << look != 7 or tick + 1 == (look + 1) * third:
                     self._looked = look
                     changed |= self._check(look)
+            elif v256 and not self._chips[tick % 3].awake():  # each of them every third period while it drives
+                changed |= self._check(tick % 3)
             if changed & 1:
                 servos.write()
             if changed & 2:

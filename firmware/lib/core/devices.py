@@ -34,13 +34,14 @@ def uarts(once):
 
 def chips(once):
     """(PCA9685 of the servos, of the left and of the right motors, output enable pin or None). The bus is not touched."""
+    from actuation.bus import Bus
     from pca9685 import PCA9685  # it holds machine code, and the radio wants its memory before that
 
     pin = machine.Pin
     enable = None
     if once["pins_output_enable"] is not None:
         enable = pin(once["pins_output_enable"], pin.OUT, value=1)
-    i2c = machine.I2C(once["i2c_bus"], scl=pin(once["i2c_scl"]), sda=pin(once["i2c_sda"]), freq=once["i2c_frequency"])
+    i2c = Bus(machine, once["i2c_bus"], once["i2c_scl"], once["i2c_sda"], once["i2c_frequency"])
     made = [PCA9685(i2c, once["servos_address"], once["servos_frequency"], once["servos_oscillator"], max(once["servos_channels"]) + 1)]
     for address in (once["motors_left"], once["motors_right"]):
         made.append(PCA9685(i2c, address, once["motors_frequency"], once["motors_oscillator"], max(once["motors_channels"]) + 2))

@@ -64,7 +64,8 @@ def choose(cost, x, y, heading):
     # from the cheapest of the four places at the corner
     least = _OUT
     last = ((heading + 75) // 150 % _TURNS * _N + y) * _N + x
-    for place in (last, last - 1, last - _N, last - _N - 1):
+    for k in range(4):
+        place = last - (k & 1) - (k >> 1) * _N
         if cost[place] < least:
             least = cost[place]
             found = place
