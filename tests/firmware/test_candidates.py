@@ -5,8 +5,7 @@ from math import cos, sin
 
 from params.config import Config
 from perception.windows import Windows
-from planner import candidate_arcs, candidate_strips
-from planner.candidate_set import Draft
+from planner.candidate_tables import Draft, end
 from planner.candidates import BIAS, Candidates
 from planner.collision import CollisionCheck
 
@@ -43,7 +42,7 @@ def _stepped(env, k, point, margin, step=2.0):
     hl = env.half_length + margin
     length = 0.0
     while length < env.look_ahead:
-        x, y, turn = (candidate_arcs if k < env.arcs else candidate_strips).end(_draft, k, length)
+        x, y, turn = end(_draft, k, length)
         dx = point[0] - x
         dy = point[1] - y
         u = dx * cos(turn) - dy * sin(turn)

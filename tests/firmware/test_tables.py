@@ -9,7 +9,7 @@ from planner.candidates import Candidates
 from planner.cost_to_go import CostToGo
 
 _FOLDER = "tables_test"
-_MAKERS = ("make_tables", "candidate_set", "candidate_arcs", "candidate_rings", "candidate_strips", "footprint_masks", "primitives", "primitives_naws")
+_MAKERS = ("make_tables", "candidate_tables", "footprint_masks", "primitives", "primitives_naws")
 
 
 def _in_a_robots_folder(check):

@@ -18,7 +18,7 @@ from core.trig import cos14, sin14
 
 BIAS = const(8192)
 LENGTHS = const(5)
-_ARC_STRIDE = const(8)  # words of `consts` for an arc, of `strips` for a strip: candidate_arcs.py, candidate_strips.py
+_ARC_STRIDE = const(8)  # words of `consts` for an arc, of `strips` for a strip: candidate_tables.py
 _STRIP_STRIDE = const(8)
 _TURN_MM = const(2)  # of an arc
 
@@ -32,7 +32,7 @@ class Candidates:
     af, ar                     array 'h', 0.1 deg
     ends                       for each candidate and each of LENGTHS travels (`lengths`, mm) where the body's centre comes to lie, x, y, mm + 8192
     turns                      how far each candidate turns, clockwise, 0.1 deg / 2**14 per mm
-    consts, table, seconds     of the arcs: see candidate_arcs.py, candidate_rings.py; strips of the others: see candidate_strips.py
+    consts, table, seconds     of the arcs: see candidate_tables.py; strips of the others: likewise
     half_width, half_length, look_ahead, margin, soft    mm
     end_x, end_y, end_turn     what travel() found
 

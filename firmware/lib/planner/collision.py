@@ -34,7 +34,7 @@ _BAND = const(15)  # how far beyond the margin the near points are looked at one
 _INNER = const(16)  # square mm, what _rings() finds: two each
 _OUTER = const(18)
 
-# Fields of an arc's constants, 16-bit words: candidate_arcs.py
+# Fields of an arc's constants, 16-bit words: candidate_tables.py
 _ARC_STRIDE = const(8)
 _XC = const(0)
 _YC = const(1)

@@ -31,15 +31,9 @@ def _make_cost_to_go(config):
 
 
 def _make_candidates(config):
-    from planner import candidate_set
+    from planner import candidate_tables
 
-    draft = candidate_set.Draft(config)
-    candidate_set = None
-    unload("planner.candidate_set")
-    # One after the other: together they would be more than the heap has to spare.
-    for name in ("planner.candidate_arcs", "planner.candidate_rings", "planner.candidate_strips"):
-        maker = __import__(name, None, None, ("fill",))
-        maker.fill(draft)
-        maker = None
-        unload(name)
-    return draft.arrays()
+    made = candidate_tables.make(config)
+    candidate_tables = None
+    unload("planner.candidate_tables")
+    return made
