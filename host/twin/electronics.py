@@ -55,7 +55,9 @@ class Electronics:
         levels = 1 << vehicle.scl  # with their pull-ups, like the button
         if not self.sda_held:
             levels |= 1 << vehicle.sda
-        if vehicle.stop_button is not None and not (self.stop_pressed and self.stop_wired):
+        # A button that opens is closed to ground until it is pressed; then, and without its wire, the pull-up wins.
+        high = self.stop_pressed or not self.stop_wired if vehicle.stop_closed else not (self.stop_pressed and self.stop_wired)
+        if vehicle.stop_button is not None and high:
             levels |= 1 << vehicle.stop_button
         return levels
 

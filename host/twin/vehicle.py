@@ -52,6 +52,7 @@ class Vehicle:
     full_speed: float
     output_enable: int | None
     stop_button: int | None
+    stop_closed: bool
     battery: int | None
     battery_divider: float
     scl: int
@@ -88,6 +89,7 @@ class Vehicle:
             full_speed=c.motors_full_speed,
             output_enable=c.pins_output_enable,
             stop_button=c.pins_stop_button,
+            stop_closed=c.pins_stop_closed,
             battery=c.pins_battery,
             battery_divider=c.battery_divider1000 / 1000,
             scl=c.i2c_scl,

@@ -1,0 +1,124 @@
+"""What stops the robot and what starts it, through the whole firmware in the twin. docs/safety.md has all faults; here are the promises of firmware/lib/safety."""
+
+import pytest
+
+from host.link import messages
+from host.twin import Observer, run
+from link import frames as whole_frames
+from link import protocol
+
+INF = float("inf")
+COURSE = dict(course="Z", width=550, seed=1, chip=INF, record=False)
+
+
+class Bench(Observer):
+    """Plays a person: at [(s, what)] presses or lets go of the button, takes off its wire, or sends a command. Notes when the motors were on."""
+
+    def __init__(self, *plan):
+        self._plan = sorted(plan, key=lambda step: step[0])
+        self._send = b""
+        self.on = []  # times, s
+        self.resets = []
+        self.said = b""
+
+    def step(self, simulation):
+        electronics = simulation.electronics
+        now = simulation.now / 1e6
+        while self._plan and self._plan[0][0] <= now:
+            what = self._plan.pop(0)[1]
+            if isinstance(what, bytes):
+                self._send += what
+            else:
+                setattr(electronics, *what)
+        if electronics.enabled and any(abs(chip.duty(k)) > 0 for address, chip in electronics.chips.items() if address != 0x40 for k in range(10)):
+            self.on.append(now)
+
+    def commands(self):
+        data, self._send = self._send, b""
+        return data
+
+    def reset(self, time, cause):
+        self.resets.append(cause)
+
+    def serial(self, data):
+        self.said += data
+
+    def drove(self, start, end):
+        return any(start < time < end for time in self.on)
+
+    def logs(self):
+        return [bytes(payload[1:]).decode() for kind, _, payload in whole_frames.decode(self.said) if kind == protocol.LOG]
+
+    def faults(self):
+        return {payload[16] for kind, _, payload in whole_frames.decode(self.said) if kind == protocol.HEALTH}
+
+
+def press(start, end):
+    return (start, ("stop_pressed", True)), (end, ("stop_pressed", False))
+
+
+def drive(*plan, autostart=False, limit_s=8, **more):
+    bench = Bench(*plan)
+    changes = {"drive.autostart": autostart, **more.pop("changes", {})}
+    run(**COURSE, watch=bench, changes=changes, limit_s=limit_s, **more)
+    return bench
+
+
+@pytest.mark.parametrize(
+    "fault, within_ms",
+    [
+        ("hang-avoid", 1500), ("hang-link", 1500), ("hang-hard", 1500), ("exception-avoid", 250), ("exception-lidar", 250), ("exception-health", 250),
+        ("exception-drive", 250), ("exception-stop", 250), ("memory-error-avoid", 250), ("slow", 1000), ("slow-150", 500), ("brown-out", 250),
+        ("reset", 250), ("button-bounce", 100), ("button-short", 100), ("button-held", 100), ("button-reset", 100), ("i2c-dead", 250),
+        ("chip-gone", 250), ("chip-resets", 3300), ("oe-open", 1000), ("oe-open-json", 1000),
+    ],
+)  # fmt: skip
+def test_it_stands_in_time_and_stays(fault, within_ms):
+    outcome = run(**COURSE, fault=fault).fault
+    assert outcome.still_ms is not None and outcome.still_ms <= within_ms
+    assert outcome.driven_after_s * 1000 <= within_ms and outcome.touched_after == 0
+
+
+@pytest.mark.parametrize("fault, within_ms", [("chip-reset", 100), ("chip-reset-servos", 100), ("i2c-stuck", 250)])
+def test_it_stops_and_goes_on(fault, within_ms):
+    result = run(**COURSE, fault=fault)
+    assert result.fault.still_ms <= within_ms and result.result == "pass"
+
+
+@pytest.mark.parametrize("fault", ["exception-link", "exception-telemetry", "memory-error", "clock-29", "clock-30"])
+def test_it_drives_on(fault):
+    assert run(**COURSE, fault=fault).result == "pass"
+
+
+def test_after_power_up_it_waits_for_the_page():
+    bench = drive((3, whole_frames.frame(protocol.DRIVE, messages.drive(1, "auto"))))
+    assert not bench.drove(0, 3) and bench.drove(3, 8)
+
+
+def test_after_power_up_it_waits_for_a_long_press():
+    bench = drive(*press(3, 4.2))
+    assert not bench.drove(0, 4.6) and bench.drove(4.6, 8)
+
+
+def test_a_short_press_or_a_button_held_from_the_start_on_starts_nothing():
+    assert not drive(*press(3, 3.5)).on
+    assert not drive(*press(0, 2)).on
+
+
+def test_autostart_drives_off_but_not_after_a_reset():
+    assert drive(autostart=True, limit_s=3).on
+    bench = drive(autostart=True, fault="hang@3")
+    assert bench.resets == [3] and not bench.drove(4.1, 8)
+    assert any("watchdog" in line and "planner" in line for line in bench.logs())
+
+
+def test_a_button_that_opens_stops_with_its_wire_off_and_never_starts():
+    closed = {"pins.stop_closed": True}
+    bench = drive((4, ("stop_wired", False)), (6, ("stop_wired", True)), autostart=True, changes=closed)
+    assert bench.drove(2, 4) and not bench.drove(4.05, 8)
+    assert not drive(*press(3, 4.2), changes=closed).on
+
+
+def test_an_exception_is_told():
+    bench = drive(autostart=True, fault="exception-avoid@3", limit_s=5)
+    assert 9 in bench.faults() and any(line.startswith("planner:") for line in bench.logs())
