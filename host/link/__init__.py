@@ -25,8 +25,11 @@ from .base import Link, LinkError
 __all__ = ["AddressError", "Link", "LinkError", "connect"]
 
 
-def connect(text: str) -> Link:
-    """Open the link that an address names. Raises AddressError or LinkError."""
+def connect(text: str, begin: bool = True) -> Link:
+    """Open the link that an address names. Raises AddressError or LinkError.
+
+    begin: False for a twin that is to wait for `Link.begin`; a robot waits for nobody.
+    """
     address = parse(text)
     # Imported when needed: the twin needs numpy, the serial line pyserial.
     if address.scheme == "serial":
@@ -40,7 +43,7 @@ def connect(text: str) -> Link:
     if address.scheme == "twin":
         from .twin import TwinLink
 
-        return TwinLink(text, address.place, address.options)
+        return TwinLink(text, address.place, address.options, begin)
     from .playback import PlaybackLink
 
     return PlaybackLink(text, address.place)

@@ -40,6 +40,13 @@ class Link:
         self._lock = threading.Lock()
         self._ended = False
 
+    def begin(self) -> None:
+        """Somebody looks on now: what can wait for that, the twin, begins."""
+
+    def kept(self) -> str:
+        """Where a KEEP that the robot has confirmed was written to, in words."""
+        return "robot.json on the robot"
+
     def get(self, timeout: float | None = None) -> dict | None:
         """The next message; None when none came in `timeout` seconds (None: wait)."""
         try:

@@ -7,12 +7,16 @@ COURSE is one of the twin's, in any case; every option may be left out. speed is
 the others mean: `python -m host.twin --help`.
 """
 
+import shutil
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 from .address import AddressError
 from .base import Link
+
+KEPT = Path("out") / "twin" / "robot.json"  # what was kept in the twin last
 
 _TRUTH_S = 0.04
 
@@ -69,11 +73,16 @@ def world_of(course) -> dict:
 class TwinLink(Link):
     """twin:COURSE[?OPTIONS]. Raises AddressError for a course or an option that does not exist."""
 
-    def __init__(self, address: str, course: str, options: dict):
+    def __init__(self, address: str, course: str, options: dict, begin: bool = True):
         super().__init__(address)
+        from host.twin.check import check
         from host.twin.simulation import LIMIT_US
 
         arguments = arguments_of(course, options)
+        try:
+            check(arguments)
+        except ValueError as error:
+            raise AddressError(f"{address}: {error}") from None
         self._outgoing: list[bytes] = []
         self._guard = threading.Lock()
         self._open = True
@@ -81,14 +90,33 @@ class TwinLink(Link):
         self._limit = LIMIT_US
         self._held = False  # a person drives it, or has stopped it
         self._looked = 0.0
-        watch = _observer(self._receive, self._outgo, self._look)
+        self._folder: Path | None = None
+        watch = _observer(self._receive, self._outgo, self._look, self._board)
         self._thread = threading.Thread(target=self._run, args=(arguments, watch), daemon=True)
+        self._begun = False
+        if begin:
+            self.begin()
+
+    def begin(self) -> None:
+        with self._guard:
+            if self._begun:
+                return
+            self._begun = True
         self._thread.start()
         self.greet()
 
+    def kept(self) -> str:
+        """The twin's board is gone after its run: what it kept is copied to where the next run can be told to read it."""
+        if self._folder is None:
+            return ""
+        KEPT.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(self._folder / "robot.json", KEPT)
+        return str(KEPT)
+
     def close(self) -> None:
         self._open = False
-        self._thread.join(5)
+        if self._begun:
+            self._thread.join(5)
 
     def drive(self, what: str, af: float = 0, ar: float = 0, v: float = 90) -> None:
         super().drive(what, af, ar, v)
@@ -96,6 +124,7 @@ class TwinLink(Link):
 
     def _run(self, arguments: dict, watch) -> None:
         from host.twin.run import run
+        from host.version import python
 
         try:
             result = run(**arguments, watch=watch)
@@ -104,7 +133,7 @@ class TwinLink(Link):
             return
         text = f"{result.result} after {result.time_s:.1f} s, least clearance {result.min_clearance_mm:.0f} mm, contacts {result.contacts}"
         text += f" ({result.reason})" if result.reason else ""
-        self._end(text + (f"; recorded, to replay it: python -m host.replay {result.recording}" if result.recording else ""))
+        self._end(text + (f"; recorded, to replay it: {python()} -m host.replay {result.recording}" if result.recording else ""))
 
     def _send(self, data: bytes) -> None:
         with self._guard:
@@ -117,10 +146,14 @@ class TwinLink(Link):
             data, self._outgoing = b"".join(self._outgoing), []
         return data
 
+    def _board(self, folder: Path) -> None:
+        self._folder = folder
+
     def _look(self, simulation) -> None:
         """Tell the world once, and where the robot really is."""
         if not self._open:
             raise KeyboardInterrupt  # the twin's way to be told to end
+        simulation.endless = self._held  # by hand a run never ends
         if self._held:
             # The time that a course may take is the robot's, not the person's.
             simulation.limit = simulation.now + self._limit
@@ -137,11 +170,14 @@ class TwinLink(Link):
             })  # fmt: skip
 
 
-def _observer(receive, outgo, look):
-    """An Observer of the twin that passes bytes on, both ways. receive(bytes), outgo() -> bytes, look(simulation)."""
+def _observer(receive, outgo, look, board):
+    """An Observer of the twin that passes bytes on, both ways. receive(bytes), outgo() -> bytes, look(simulation), board(folder)."""
     from host.twin import Observer
 
     class Passing(Observer):
+        def board(self, folder):
+            board(folder)
+
         def serial(self, data):
             receive(data)
 

@@ -2,13 +2,14 @@
 
 import argparse
 import asyncio
+import os
 import sys
 import webbrowser
 
 from host.link import AddressError, LinkError
 from host.link.address import FORMS
 from host.recording import RecordingError
-from host.version import add_version
+from host.version import add_version, python
 
 TWIN = "twin:z?width=550"
 
@@ -18,7 +19,7 @@ def main(arguments=None) -> int:
     options = _parser().parse_args(arguments)
     address = options.address or find()
     if address is None:
-        print(f"no robot on USB, none in the network. See the twin instead: python -m host.monitor {TWIN!r}", file=sys.stderr)
+        print(f"no robot on USB, none in the network. See the twin instead: {python()} -m host.monitor {TWIN!r}", file=sys.stderr)
         return 1
     try:
         from .station import Station
@@ -26,7 +27,8 @@ def main(arguments=None) -> int:
         station = Station(address, options.record)
     except (AddressError, LinkError, RecordingError) as error:
         print(f"python -m host.monitor: {error}", file=sys.stderr)
-        return 2 if isinstance(error, AddressError) else 1
+        # A robot that is not there may come; a file that is not there, or a name that is none, was written wrongly.
+        return 1 if isinstance(error, LinkError) and not address.startswith("file:") else 2
     try:
         if options.text:
             from .text import run
@@ -34,6 +36,9 @@ def main(arguments=None) -> int:
             return run(station)
         return _serve(station, options)
     except KeyboardInterrupt:
+        return 0
+    except BrokenPipeError:  # whoever read it, head or less, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     finally:
         station.close()

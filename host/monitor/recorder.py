@@ -38,7 +38,9 @@ class LinkRecorder:
 
     def message(self, message: dict) -> None:
         """A message of the link that is not among its bytes."""
-        if message["type"] == "truth":
+        if message["type"] == "ended":
+            self._write(Stream.EVENT, message["text"].encode())
+        elif message["type"] == "truth":
             self._write(Stream.POSE, Pose(message["x"], message["y"], message["heading"]).pack())
 
     def close(self) -> None:

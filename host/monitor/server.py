@@ -108,8 +108,7 @@ class _Visit:
         self._loop = asyncio.get_running_loop()
 
     async def run(self) -> None:
-        self._waiting += self._station.known()
-        self._station.listeners.append(self._hear)
+        self._station.listen(self._hear)
         sender = asyncio.create_task(self._send())
         try:
             while True:
@@ -137,6 +136,7 @@ class _Visit:
                 await self._page.send(json.dumps(batch))
 
     async def _obey(self, text) -> None:
+        what = None
         try:
             what = json.loads(text)
             if not isinstance(what, dict):
@@ -146,9 +146,11 @@ class _Visit:
             if what.get("do") == "ping":
                 self._waiting.append({"type": "pong", "stamp": what.get("stamp")})
                 return
-            await self._loop.run_in_executor(None, self._station.command, what)
+            answer = await self._loop.run_in_executor(None, self._station.command, what)
+            if answer is not None:
+                self._waiting.append(answer)
         except (ValueError, AttributeError, OverflowError, RecursionError) as error:
-            self._waiting.append({"type": "refused", "text": str(error)})
+            self._waiting.append({"type": "refused", "do": what.get("do") if isinstance(what, dict) else None, "text": str(error)})
 
 
 class _Writer:

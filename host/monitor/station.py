@@ -3,11 +3,13 @@
 import threading
 import time
 from pathlib import Path
+from urllib.parse import urlencode
 
 from host import recording
 from host.link import AddressError, LinkError, connect, parse
 from host.link.base import Link
 
+from . import recordings
 from .recorder import LinkRecorder
 
 LATEST = ("hello", "names", "world", "health", "decision", "points", "wheels", "pose", "truth", "scan", "candidates", "playback", "ended")
@@ -16,13 +18,15 @@ RECORDINGS = Path("out")  # where a page records, and the only folder from which
 # What a page may ask of the twin: no files, and no code of the asker's choice. The command line takes every option.
 PAGE_OPTIONS = ("width", "gap", "seed", "mirror", "reverse", "angle", "scale", "mode", "speed")
 
+COURSES = ("Z", "U", "S", "S-sharp", "bend", "random")  # what "drive again" offers; the twin, which needs numpy, is asked when it is opened
+
 ASK_S, ASKED = 3.0, 10  # how long to wait for the parameters, and how often to ask
 
 
 class Station:
     """One robot watched by any number of listeners.
 
-    listeners: callables that take a message; called from the link's thread.
+    listeners: callables that take a message; called from the link's thread. The twin waits for the first.
     """
 
     def __init__(self, address: str, record: str | None = None):
@@ -31,10 +35,12 @@ class Station:
         self._record_next = record
         self._latest: dict = {}
         self._parameters: dict = {}
+        self._kept = ""  # robot.json that the twin kept, for its next run
         self._recorder: LinkRecorder | None = None
         self._given = address  # by the person who started the monitor: may be opened again, whatever it is
         self._lock = threading.Lock()
         self.link: Link | None = None
+        self._asked: Link | None = None  # whose parameters are being asked for, or were
         self.open(address)
 
     def open(self, address: str) -> None:
@@ -42,7 +48,7 @@ class Station:
         record, self._record_next = self._record_next, None
         # The twin writes a recording that can be replayed; of another robot only what went over the link can be recorded.
         twin = address.startswith("twin:")
-        link = connect(address + (("&" if "?" in address else "?") + f"record={record}" if twin and record else ""))
+        link = connect(address + (("&" if "?" in address else "?") + f"record={record}" if twin and record else ""), begin=False)
         self.close()
         self.address = address
         self._latest.clear()
@@ -51,9 +57,28 @@ class Station:
         if record and not twin:
             self.record(record)
         threading.Thread(target=self._pump, args=(link,), daemon=True).start()
-        self._tell({"type": "connected", "address": address, "commands": link.commands, "recording": self.recording})
-        if link.commands:
+        self._tell(self._connected())
+        if self.listeners:
+            self._begin(link)
+
+    def listen(self, hear) -> None:
+        """Tell a newcomer what the others have seen, and from now on what they see."""
+        for message in self.known():
+            hear(message)
+        self.listeners.append(hear)
+        if self.link is not None:
+            self._begin(self.link)
+
+    def _begin(self, link: Link) -> None:
+        link.begin()
+        if link.commands and link is not self._asked:
+            self._asked = link
             threading.Thread(target=self._ask, args=(link,), daemon=True).start()
+
+    def _connected(self) -> dict:
+        commands = bool(self.link and self.link.commands)
+        courses = list(COURSES) if self.address.startswith("twin:") else []
+        return {"type": "connected", "address": self.address, "commands": commands, "recording": self.recording, "courses": courses}
 
     def close(self) -> None:
         """Close the link and a recording that is under way."""
@@ -65,8 +90,7 @@ class Station:
     def known(self) -> list[dict]:
         """What a newcomer has to be told to see what the others see."""
         with self._lock:
-            first = {"type": "connected", "address": self.address, "commands": bool(self.link and self.link.commands), "recording": self.recording}
-            return [first, *(self._latest[kind] for kind in LATEST if kind in self._latest), *self._parameters.values()]
+            return [self._connected(), *(self._latest[kind] for kind in LATEST if kind in self._latest), *self._parameters.values()]
 
     @property
     def recording(self) -> str | None:
@@ -92,19 +116,22 @@ class Station:
 
     def stop_recording(self) -> None:
         if self._recorder:
+            path = self.recording
             self._recorder.close()
             self._recorder = None
-            self._tell({"type": "recording", "path": None})
+            self._tell({"type": "recording", "path": None, "saved": path})
 
-    def command(self, what: dict) -> None:
-        """Carry out what a page asks: {"do": ..., ...}. Raises ValueError with a text for the person."""
+    def command(self, what: dict) -> dict | None:
+        """Carry out what a page asks: {"do": ..., ...}; a message for the asker alone, or None. Raises ValueError with a text for the person."""
         link = self.link
         do = what.get("do")
         try:
             if do == "open":
                 self.open(self._allowed(str(what["address"])))
             elif do == "again":
-                self.open(self.address)
+                self.open(self._next_address(what))
+            elif do == "recordings":
+                return {"type": "recordings", "list": recordings.newest(RECORDINGS)}
             elif do == "record":
                 self.record(_in_recordings(what["path"]) if what.get("path") else None)
                 if what.get("scans") and link is not None and link.commands:
@@ -121,6 +148,24 @@ class Station:
             raise ValueError(str(error)) from None
         except (KeyError, TypeError) as error:
             raise ValueError(f"{do}: {error} is missing or wrong") from None
+        return None
+
+    def _next_address(self, what: dict) -> str:
+        """The address there is, with another course if the page chose one, and with what was kept in the twin. Raises AddressError."""
+        scheme, place, options = parse(self.address)
+        if scheme != "twin":
+            return self.address
+        if self._kept:
+            options["config"] = self._kept
+        if course := what.get("course"):
+            # What was given on the command line stays, but for the shape of another course.
+            for name in ("width", "gap", "angle", "record"):
+                options.pop(name, None)
+            place = str(course)
+            if place not in COURSES:
+                raise AddressError(f"{place!r} is not a course; courses are {', '.join(COURSES)}")
+            options |= {name: str(what[name]) for name in PAGE_OPTIONS if what.get(name) not in (None, "")}
+        return f"twin:{place}" + ("?" + urlencode(options, safe="/:,") if options else "")
 
     def _allowed(self, address: str) -> str:
         """An address that a page may open. Raises AddressError: a page must neither read this computer's files nor run code on it."""
@@ -195,7 +240,19 @@ class Station:
                     self._latest[message["type"]] = message
             if recorder := self._recorder:
                 recorder.message(message)
+            if message["type"] == "reply" and message["command"] == "keep" and message["status"] == "ok":
+                message = {**message, "kept": self._where_kept(link)}
             self._tell(message)
+
+    def _where_kept(self, link: Link) -> str:
+        try:
+            where = link.kept()
+        except OSError as error:
+            return f"robot.json of this run alone: a copy cannot be written ({error.strerror})"
+        if self.address.startswith("twin:"):
+            self._kept = where
+            where += ", from which the twin drives until the monitor is closed; later with the address option config=" + where
+        return where
 
     def _restarted(self, link: Link) -> None:
         """The robot has started anew, which is no error: its parameters may be others now."""

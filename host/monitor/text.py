@@ -33,9 +33,7 @@ def run(station: Station) -> int:
             said.append(message.get("text") or message.get("status"))
             del said[:-5]
 
-    for message in station.known():
-        hear(message)
-    station.listeners.append(hear)
+    station.listen(hear)
     interactive = sys.stdin.isatty() and sys.stdout.isatty()
     mode = "1"
     try:

@@ -2,13 +2,13 @@
 
 import argparse
 import json
+import os
 import sys
-from pathlib import Path
 
 from host.recording import RecordingError
-from host.version import add_version
+from host.version import add_version, python
 
-from . import courses, faults
+from . import check, courses, faults
 from .console import Progress, summary_line
 from .image import FIRMWARE, ToolMissing
 from .process import ENGINES
@@ -17,6 +17,7 @@ from .simulation import PASS
 
 PASSED, FAILED, MISUSED = 0, 1, 2
 LIST = "list"
+CHECKED = ("course", "width", "gap", "seed", "mode", "engine", "speed", "config", "mirror", "reverse", "angle", "scale", "record")  # before the run
 
 
 def main(arguments=None):
@@ -28,14 +29,15 @@ def main(arguments=None):
         return PASSED
     if options.course is None:
         parser.error("the following arguments are required: COURSE")
-    if options.picture and not Path(options.picture).absolute().parent.is_dir():
-        parser.error(f"argument --picture: there is no folder {Path(options.picture).parent}; name a file in a folder that exists")
-    progress = None if options.json else Progress()
+    progress = None if options.json else Progress(_say)
     try:
+        check.check({name: getattr(options, name) for name in CHECKED})
+        if options.picture:
+            check.picture(options.picture)
         result = run(
             options.course,
             options.width,
-            options.gap,
+            500.0 if options.gap is None else options.gap,
             options.seed,
             options.mode,
             options.engine,
@@ -57,19 +59,40 @@ def main(arguments=None):
         return MISUSED
     except KeyboardInterrupt:
         return FAILED
+    _tell(result, options)
+    return PASSED if result.result == PASS else FAILED
+
+
+def _say(text):
+    """Print a line; when whoever read them, head or less, has seen enough, the rest goes nowhere."""
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _tell(result, options):
+    """The result first: what goes wrong with the picture must not lose it."""
+    _say(json.dumps(result.summary()) if options.json else summary_line(result))
     if options.picture:
         from .picture import draw
 
-        draw(result, options.picture)
-    if options.json:
-        print(json.dumps(result.summary()))
-    else:
-        print(summary_line(result))
-        if options.picture:
-            print(f"picture: {options.picture}")
+        try:
+            draw(result, options.picture)
+        except (OSError, ValueError) as error:
+            print(f"python -m host.twin: {error}", file=sys.stderr)
+        else:
+            if not options.json:
+                _say(f"picture: {options.picture}")
+    if result.lost:
+        print(f"python -m host.twin: {result.lost}", file=sys.stderr)
     if result.recording:
-        print(f"recorded; to replay it: python -m host.replay {result.recording}", file=sys.stderr)
-    return PASSED if result.result == PASS else FAILED
+        print(f"recorded; to replay it: {again(result.recording)}", file=sys.stderr)
+
+
+def again(recording):
+    """The command that replays a recording, for the Python that runs this."""
+    return f"{python()} -m host.replay {recording}"
 
 
 def _parser():
@@ -82,7 +105,7 @@ def _parser():
     add = parser.add_argument
     add("course", metavar="COURSE", type=_course, nargs="?", help=", ".join(courses.NAMES))
     add("--width", type=float, metavar="MM", help="width of the passage (default 550)")
-    add("--gap", type=float, default=500.0, metavar="MM", help="random: least distance between obstacles (default 500)")
+    add("--gap", type=float, metavar="MM", help="random: least distance between obstacles (default 500)")
     add("--seed", type=_seed, default=0, metavar="N", help="of the robot's imperfections and the noise; other than 0 also shifts the start")
     add("--mode", type=str.lower, choices=MODES, help="all axles steer, or the last one stays straight (default: as robot.json says)")
     add("--engine", choices=ENGINES, default=ENGINES[0], help="what runs the firmware")
@@ -95,7 +118,7 @@ def _parser():
     add("--json", action="store_true", help="print one JSON object with the result and nothing else")
     add("--record", metavar="FILE", help="record the run (without it, a run that ends badly leaves a recording in out/ended-badly)")
     add("--no-record", dest="record", action="store_const", const=False, help="never record")
-    add("--picture", metavar="FILE", help="draw the run (.png)")
+    add("--picture", metavar="FILE", help="draw the run (.png, .svg or .pdf)")
     add("--mirror", action="store_true", help="the course with left and right exchanged")
     add("--reverse", action="store_true", help="enter from the other end")
     add("--angle", type=float, default=90.0, metavar="DEG", help="bend: angle of its two bends (default 90)")

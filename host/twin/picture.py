@@ -1,4 +1,4 @@
-"""The picture of a run, as PNG: walls, the body on its way, the tracks of its front and rear, and where it touched.
+"""The picture of a run: walls, the body on its way, the tracks of its front and rear, and where it touched.
 
 matplotlib is imported here and nowhere else, so that a run without a picture does not wait for it.
 """
@@ -28,7 +28,7 @@ WORDS = {
 
 
 def draw(result, path):
-    """Draw a run.Result into a PNG file. ValueError if the file cannot be written."""
+    """Draw a run.Result into a PNG, SVG or PDF file, as its name ends. ValueError if the file cannot be written."""
     segments = result.layout.segments
     low = segments.reshape(-1, 2).min(axis=0) - 60
     high = segments.reshape(-1, 2).max(axis=0) + 60
@@ -46,7 +46,7 @@ def draw(result, path):
     figure.suptitle(_title(result), x=0.02, ha="left", fontsize=10)
     figure.legend(handles=_legend(result), loc="outside lower left", ncols=3, fontsize=8, frameon=False)
     try:
-        figure.savefig(Path(path), dpi=120, format="png")
+        figure.savefig(Path(path), dpi=120)
     except OSError as error:
         raise ValueError(f"the picture {path} cannot be written: {error.strerror}") from None
     finally:

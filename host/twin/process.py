@@ -83,6 +83,11 @@ class Process:
         self._request = wire.Request(wire.RESET, cause, 0, time, time, before.probe, before.overflows, -1, before.kept, [])
         return self._request
 
+    @property
+    def folder(self):
+        """Where the board's files lie while it is there."""
+        return self._folder
+
     def leave(self, files):
         """Put files on the board. files: {name: bytes}."""
         for name, data in files.items():

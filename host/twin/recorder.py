@@ -42,11 +42,12 @@ def version(firmware):
 class Recorder(Observer):
     """Records all that goes into and comes out of the firmware.
 
-    writer: recording.Writer. Of several watches this must be the first to be told, so that it sees the inputs as the firmware did.
+    writer: recording.Writer; None records nothing. lost: why the recording broke off, in words, "" if it did not: the run goes on without. Of several watches this must be the first to be told, so that it sees the inputs as the firmware did.
     """
 
     def __init__(self, writer):
         self._writer = writer
+        self.lost = ""
         self._now = 0
         self._inputs = None
         self._next_pose = 0
@@ -70,31 +71,48 @@ class Recorder(Observer):
             reasons=tuple(reasons()),
             notes=notes,
         )
-        recorder = cls(recording.Writer(path, header))
+        try:
+            recorder = cls(recording.Writer(path, header))
+        except (OSError, recording.RecordingError) as error:
+            if kept:
+                raise recording.RecordingError(str(error)) from None
+            recorder = cls(None)  # nobody asked for one
         recorder._kept = kept
         return recorder
 
+    def _write(self, stream, time, data):
+        if self._writer is None or self.lost:
+            return
+        try:
+            self._writer.write(stream, time, data)
+        except OSError as error:
+            self._broke_off(error)
+
+    def _broke_off(self, error):
+        self.lost = f"the recording {self._writer.path} broke off after {self._now / 1e6:.1f} s: {error.strerror}"
+        self._writer.abandon()
+
     def lidar(self, time, data):
-        self._writer.write(Stream.LIDAR, int(time), data)
+        self._write(Stream.LIDAR, int(time), data)
 
     def registers(self, time, address, data):
-        self._writer.write(Stream.REGISTERS, int(time), bytes((address,)) + data)
+        self._write(Stream.REGISTERS, int(time), bytes((address,)) + data)
 
     def read(self, time, address, data):
-        self._writer.write(Stream.READ, int(time), bytes((address,)) + data)
+        self._write(Stream.READ, int(time), bytes((address,)) + data)
 
     def decision(self, decision):
-        self._writer.write(Stream.DECISION, int(decision.time_us), decision.pack())
+        self._write(Stream.DECISION, int(decision.time_us), decision.pack())
 
     def uart(self, time, gpio, data):
-        self._writer.write(Stream.UART, int(time), bytes((gpio,)) + data)
+        self._write(Stream.UART, int(time), bytes((gpio,)) + data)
 
     def serial(self, data):
-        self._writer.write(Stream.TELEMETRY, self._now, data)
+        self._write(Stream.TELEMETRY, self._now, data)
 
     def command(self, data):
         """Bytes about to be sent to the board's serial line, after the `step` that has just been told."""
-        self._writer.write(Stream.COMMAND, self._now, data)
+        self._write(Stream.COMMAND, self._now, data)
 
     def step(self, simulation):
         self._now = int(simulation.now)
@@ -102,32 +120,42 @@ class Recorder(Observer):
         inputs = recording.Inputs(electronics.levels, electronics.battery_reading, tuple(electronics.addresses))
         if inputs != self._inputs:
             self._inputs = inputs
-            self._writer.write(Stream.INPUTS, self._now, inputs.pack())
+            self._write(Stream.INPUTS, self._now, inputs.pack())
         if self._now >= self._next_pose:
             self._next_pose = self._now + POSE_US
-            self._writer.write(Stream.POSE, self._now, recording.Pose(body.x, body.y, degrees(body.heading)).pack())
+            self._write(Stream.POSE, self._now, recording.Pose(body.x, body.y, degrees(body.heading)).pack())
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
         """A run that broke off leaves its recording, unless it never began."""
-        self._writer.close()
+        if self._writer is None:
+            return
+        self._close()
         if not self._now:
             self._writer.path.unlink(missing_ok=True)
+
+    def _close(self):
+        try:
+            self._writer.close()
+        except OSError as error:
+            self._broke_off(error)
 
     def finish(self, result, reason, badly):
         """Say how the run ended and complete the file; returns its path, or None if nobody wants it.
 
         badly: whether this is an end worth looking into.
         """
-        self._writer.event(self._now, f"{result}: {reason}" if reason else result)
-        self._writer.close()
+        if self._writer is None:
+            return None
+        self._write(Stream.EVENT, self._now, (f"{result}: {reason}" if reason else result).encode())
+        self._close()
         path = self._writer.path
         if self._kept:
             return path
         if not badly:
-            path.unlink()
+            path.unlink(missing_ok=True)
             return None
         for old in sorted(path.parent.glob("*.rec"))[:-KEPT]:  # the names begin with the time
             old.unlink(missing_ok=True)
@@ -139,6 +167,10 @@ class Observers(Observer):
 
     def __init__(self, *watches):
         self._watches = watches
+
+    def board(self, folder):
+        for watch in self._watches:
+            watch.board(folder)
 
     def lidar(self, time, data):
         for watch in self._watches:

@@ -24,7 +24,7 @@ class Result:
 
     track: (n, 4) time s, x mm, y mm, heading deg (clockwise from +y), not more often than 100 a second. log: the
     decisions, see `host.recording.Decision`. touches: (time s, x, y, heading deg) where each contact began. fault: what it showed of its fault. recording: file of the
-    recording, if there is one.
+    recording, if there is one. lost: why it broke off, if it did.
     """
 
     course: str
@@ -43,6 +43,7 @@ class Result:
     wall_s: float
     overflows: int
     recording: str | None
+    lost: str
     track: np.ndarray = field(repr=False)
     log: list = field(repr=False)
     touches: list = field(repr=False)
@@ -54,7 +55,7 @@ class Result:
         """The figures as a dict that JSON can hold."""
         out = {}
         for name, value in vars(self).items():
-            if name in ("track", "log", "touches", "fault", "layout", "vehicle"):
+            if name in ("track", "log", "touches", "fault", "layout", "vehicle", "lost"):
                 continue
             out[name] = round(value, 3) if isinstance(value, float) else value
         if self.fault is not None:
@@ -114,6 +115,7 @@ def run(
         simulation = Simulation(layout, vehicle, seed, watch, fault=failing)
         child = Process(engine, text, watch.serial, firmware, heap, chip, failing.clock_us or clock_us, failing.files)
         stack.callback(child.close)
+        watch.board(child.folder)
         over = False
         try:
             ended = _drive(simulation, child, watch, speed, limit_s)
@@ -142,6 +144,7 @@ def run(
             engine=engine,
             wall_s=time.monotonic() - began,
             recording=str(kept) if kept else None,
+            lost=recorder.lost if recorder else "",
         ),
     )
 

@@ -27,7 +27,8 @@ class Simulation:
     course: Course. vehicle: Vehicle. seed: of the imperfections; other than 0 it perturbs the start as well. watch: Observer. fault: what
     fails, see `faults`.
 
-    now: simulated time, us. limit: when the run has failed, us; an Observer may put it off.
+    now: simulated time, us. limit: when the run has failed, us; an Observer may put it off. endless: while true the run does not end by itself; an
+    Observer sets it while a person drives.
     body, lidar, electronics, contact: the parts; an Observer may change what they hold, to see what the firmware does.
     result: None until the run is over, then one of PASS, LOCAL_COLLISION, BLOCKED, TIMEOUT; reason: why, when there is more to say.
     """
@@ -41,6 +42,7 @@ class Simulation:
         self._lidar_wire = vehicle.lidar.rx, vehicle.lidar.baud
         self._watch = watch
         self.limit = LIMIT_US
+        self.endless = False
         world = World(course.segments)
         self.body = Body(vehicle, robot, perturbed(course.start, start) if seed else course.start)
         self.lidar = Delta2B(vehicle.lidar, world, noise, version)
@@ -136,6 +138,8 @@ class Simulation:
             data = self.fault.frame(end, self.lidar.take(body.poses_at))
             if data and not self.lidar.unplugged:
                 self._line.send(end + DELAY_US, data)
+        if self.endless:
+            return
         if self.course.through(body.x, body.y):
             self._end(LOCAL_COLLISION if contact.touches else PASS)
         elif contact.held_us > STUCK_US:
@@ -151,6 +155,9 @@ class Simulation:
 
 class Observer:
     """Told what happens; the base class ignores it all. Times in us."""
+
+    def board(self, folder):
+        """The board is there; its files, robot.json among them, lie in the folder until the run is over."""
 
     def lidar(self, time, data):
         """Bytes from the lidar, the first of which arrives at the time."""

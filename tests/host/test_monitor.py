@@ -10,10 +10,12 @@ import threading
 import time
 import urllib.error
 import urllib.request
+from pathlib import Path
 
 import pytest
 
 from host import recording
+from host.link import parse
 from host.link.base import Link
 from host.monitor import text
 from host.monitor.server import Server
@@ -26,7 +28,7 @@ from link import protocol
 class Bench(Link):
     """A link to nowhere: remembers what is sent, receives what the test gives."""
 
-    def __init__(self, address):
+    def __init__(self, address, begin=True):
         super().__init__(address)
         self.sent = []
 
@@ -326,6 +328,11 @@ def test_bad_arguments(capsys):
     from host.monitor import cli
 
     assert cli.main(["robot"]) == 2 and "serial:" in capsys.readouterr().err
+    for address, says in (("twin:q", "courses are"), ("twin:z?width=20", "260 to 3000"), ("twin:z?speed=0", "0.01 to 1000"), ("twin:z?engine=x", "engines are"),
+                          ("twin:z?config=/no/robot.json", "cannot be read"), ("file:/no/drive.rec", "cannot read")):  # fmt: skip
+        assert cli.main([address, "--no-browser"]) == 2, address
+        out, error = capsys.readouterr()
+        assert says in error and not out, address  # no page was served
     assert cli.main(["serial:/dev/no-such-port"]) == 1 and "plugged in" in capsys.readouterr().err
 
 
@@ -388,3 +395,61 @@ def test_a_robot_that_has_started_anew_is_asked_again(station):
     assert "parameter" not in [message["type"] for message in station.known()]
     link._receive(hello(b"22222222"))
     assert [kind for kind, _ in link.sent[asked:]].count(protocol.LIST) == 1
+
+
+def test_the_twin_waits_for_the_first_who_looks(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    station = Station("twin:z?width=620&speed=max")
+    time.sleep(0.5)
+    assert [message["type"] for message in station.known()] == ["connected"]
+    heard = []
+    station.listen(heard.append)
+    assert until(lambda: any(message["type"] == "truth" for message in heard), 20)
+    assert next(message for message in heard if message["type"] == "truth")["time"] < 0.5  # from the beginning
+    station.close()
+
+
+def test_by_hand_a_run_never_ends(monkeypatch, tmp_path):
+    """The wall that holds it for 10 s, the end of the course and the 60 s are for a robot that drives itself."""
+    monkeypatch.chdir(tmp_path)
+    station = Station("twin:random?gap=1500&speed=max")
+    heard = []
+    station.listen(heard.append)
+    end = time.monotonic() + 40
+
+    def latest():
+        return next((message["time"] for message in reversed(heard) if message["type"] == "truth"), 0)
+
+    while latest() < 65 and time.monotonic() < end:
+        station.command({"do": "drive", "what": "manual", "v": 110})
+        time.sleep(0.002)
+    truth = [message for message in heard if message["type"] == "truth"]
+    assert latest() >= 65 and truth[-1]["y"] > 3000  # far beyond the end
+    assert not any(message["type"] == "ended" for message in heard)
+    station.close()
+
+
+def test_again_with_another_course_takes_no_other_options_from_the_page(station):
+    station.address = "twin:z?width=620&chip=2&firmware=/tmp/mine"
+    station.command({"do": "again", "course": "random", "gap": "400&config=/etc/passwd", "firmware": "/tmp/evil"})
+    assert parse(station.address) == ("twin", "random", {"chip": "2", "firmware": "/tmp/mine", "gap": "400&config=/etc/passwd"})
+    with pytest.raises(ValueError, match="courses are"):
+        station.command({"do": "again", "course": "z?firmware=/tmp/evil"})
+
+
+def test_recordings_are_listed_with_what_became_of_them(station):
+    station.link._receive(NAMES)
+    station.command({"do": "record", "path": "first.rec"})
+    for x in (0, 100, 200):
+        station.link._put({"type": "truth", "x": x, "y": 20.0, "heading": 90.0})
+    station.link._end("pass after 20.0 s")
+    assert until(lambda: any(message["type"] == "ended" for message in station.known()))
+    heard = []
+    station.listeners.append(heard.append)
+    station.command({"do": "end_recording"})
+    assert heard == [{"type": "recording", "path": None, "saved": "out/first.rec"}]
+    (station_path := Path("out/broken.rec")).write_bytes(b"no recording")
+    os.utime(station_path, (1, 1))
+    good, broken = station.command({"do": "recordings"})["list"]
+    assert good["path"] == "out/first.rec" and good["result"] == "pass after 20.0 s" and good["way"] == [[0, 20], [100, 20], [200, 20]]
+    assert good["length"] < 5 and "no recording" in broken["result"]

@@ -341,3 +341,67 @@ def test_a_speed_set_by_key_springs_back_when_the_key_is_let_go(monitor):
     assert page.until(lambda: page.text("state") == "manual" and max(page.speeds()) > 100)
     ActionChains(page.browser).key_up(Keys.ARROW_UP).perform()
     assert page.until(lambda: max(map(abs, page.speeds())) == 0, 2)
+
+
+def test_a_run_that_is_over_says_so_and_offers_another_course(monitor):
+    from selenium.webdriver.support.ui import Select
+
+    page = monitor("twin:z?width=620&speed=20")
+    assert page.until(lambda: page.browser.find_element("id", "over").is_displayed(), 40)
+    assert page.text("over-text").startswith("pass") and page.text("state") == "ended"
+    for name in ("auto", "manual", "stop", "keep", "record", "af", "parameter-avoid.margin"):
+        assert not page.browser.find_element("id", name).is_enabled(), name
+    page.press("ArrowUp")  # nobody is there to be driven
+    assert not page.browser.execute_script("return document.getElementById('manual').classList.contains('on')")
+    Select(page.browser.find_element("id", "course")).select_by_visible_text("random")
+    assert page.text("size-name") == "gap"
+    page.click("drive-again")
+    assert page.until(lambda: page.text("address") == "twin:random?speed=20&gap=500&seed=0" and page.text("state") == "auto")
+    assert not page.browser.find_element("id", "over").is_displayed() and page.browser.find_element("id", "stop").is_enabled()
+
+
+def test_a_bad_address_is_explained_beside_it_and_the_robot_stays(monitor):
+    page = monitor("twin:z?width=620")
+    assert page.until(lambda: page.text("state") == "auto")
+    where = page.browser.find_element("id", "where")
+    for address, says in (("twin:z?width=20", "260 to 3000"), ("twin:q", "courses are"), ("robot", "no address"), ("file:nothing.rec", "cannot read")):
+        where.clear()
+        where.send_keys(address)
+        page.browser.find_element("css selector", "#open button").click()
+        assert page.until(lambda says=says: says in page.text("open-trouble"), 5), (address, page.text("open-trouble"))
+        assert page.text("address") == "twin:z?width=620" and page.text("state") == "auto"
+    where.send_keys("x")
+    assert page.text("open-trouble") == ""
+
+
+def test_keep_says_what_was_kept_and_the_twin_drives_with_it_again(monitor):
+    page = monitor("twin:z?width=620&speed=3")
+    assert page.until(lambda: page.browser.find_elements("id", "parameter-avoid.margin"))
+    cruise = "const one = document.getElementById('parameter-drive.cruise'); one.value = 112; one.dispatchEvent(new Event('input'))"
+    page.browser.execute_script(cruise)
+    page.click("keep")
+    assert page.until(lambda: page.text("kept"), 5)
+    assert "drive.cruise 112" in page.text("kept") and "out/twin/robot.json" in page.text("kept")
+    page.click("again")
+    value = "return document.getElementById('parameter-drive.cruise')?.value"
+    assert page.until(lambda: "config=" in page.text("address") and page.browser.execute_script(value) == "112")
+
+
+def test_a_recording_is_saved_linked_and_listed(monitor):
+    page = monitor("twin:z?width=620")
+    assert page.until(lambda: page.speeds() and max(page.speeds()) > 100)
+    page.click("record")
+    time.sleep(2)
+    page.click("record")
+    assert page.until(lambda: page.text("saved").endswith(".rec"), 5)
+    path = page.text("saved")
+    try:
+        page.click("recordings")
+        entry = "return [...document.querySelectorAll('#recorded li')].map((one) => [one.textContent, one.querySelector('polyline')?.points.length])"
+        assert page.until(lambda: page.browser.execute_script(entry), 5)
+        (text, places) = next(row for row in page.browser.execute_script(entry) if path in row[0])
+        assert re.match(r"0:0[1-9], ended by hand", text) and places > 10
+        page.click("saved")
+        assert page.until(lambda: page.text("address") == f"file:{path}" and page.browser.find_element("id", "player").is_displayed())
+    finally:
+        (ROOT / path).unlink()

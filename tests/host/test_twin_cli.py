@@ -7,9 +7,11 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from host import recording
 from host.twin import cli
 from host.twin.console import Progress
 
@@ -120,6 +122,12 @@ def test_picture(twin, tmp_path):
         (["random", "--gap", "5"], "100 to 1500"),
         (["bend", "--angle", "200"], "20 to 120"),
         (["Z", "--picture", "missing/run.png"], "no folder missing"),
+        (["Z", "--picture", "run.jpg"], ".png, .svg or .pdf"),
+        (["Z", "--picture", "tests"], ".png, .svg or .pdf"),
+        (["Z", "--gap", "300"], "a gap is for random"),
+        (["random", "--width", "600"], "a width is for the passages"),
+        (["Z", "--angle", "60"], "an angle is for the bend"),
+        (["Z", "--record", "pyproject.toml"], "exists already"),
         ([], "COURSE"),
     ],
 )
@@ -138,6 +146,61 @@ def test_bad_robot_json_names_the_key(tmp_path, capsys):
     (tmp_path / "robot.json").write_text('{"lidar": {"bawd": 1}}')
     assert cli.main(["Z", "--config", str(tmp_path / "robot.json")]) == 2
     assert "bawd" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "robot, says",
+    [
+        ({"robot": {"width": 1000}}, "1000 mm wide does not fit into Z with its 550 mm"),
+        ({"axles": {"first": 700}}, "400 mm ahead of the nose"),
+        ({"lidar": {"rx": None}}, "lidar.rx = null: a GPIO is needed"),
+        ({"i2c": {"sda": None}}, "i2c.sda = null: a GPIO is needed"),
+    ],
+)
+def test_a_robot_that_cannot_be_is_refused_before_it_drives(robot, says, tmp_path, capsys):
+    (tmp_path / "robot.json").write_text(json.dumps(robot))
+    began = time.monotonic()
+    assert cli.main(["Z", "--config", str(tmp_path / "robot.json")]) == 2
+    assert says in capsys.readouterr().err and time.monotonic() - began < 5
+
+
+@pytest.mark.parametrize("kind, begins", [("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_a_picture_for_print(twin, tmp_path, kind, begins):
+    path = tmp_path / f"run.{kind}"
+    twin(STRAIGHT, "Z", "--picture", str(path))
+    assert path.read_bytes().startswith(begins)
+
+
+def test_a_picture_that_fails_does_not_lose_the_result(twin, tmp_path, monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", full)
+    code, out, error = twin(STRAIGHT, "random", "--gap", "1500", "--json", "--picture", str(tmp_path / "run.png"))
+    assert code == 0 and json.loads(out)["result"] == "pass"
+    assert "No space left" in error and error.count("\n") == 1
+
+
+def test_a_full_disk_ends_the_recording_and_not_the_run(tmp_path):
+    (tmp_path / "main.py").write_text(STRAIGHT)
+    command = f"ulimit -f 12; exec {sys.executable} -m host.twin random --gap 1500 --json --firmware {tmp_path} --record {tmp_path}/run.rec"
+    done = subprocess.run(["bash", "-c", command], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0 and json.loads(done.stdout)["result"] == "pass"
+    assert "broke off after" in done.stderr and "Traceback" not in done.stderr
+    assert list(recording.Reader(tmp_path / "run.rec"))  # what is there can be read
+
+
+def test_a_full_disk_is_seen_before_the_run(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=3_000_000))
+    assert cli.main(["Z", "--record", str(tmp_path / "run.rec")]) == 2
+    assert "has 3 MB left" in capsys.readouterr().err
+
+
+def test_whoever_reads_it_may_stop_reading(tmp_path):
+    (tmp_path / "main.py").write_text(STRAIGHT)
+    command = f"{sys.executable} -m host.twin random --gap 1500 --no-record --firmware {tmp_path} | head -1; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", command], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr, done.stdout.count("\n")) == (0, "", 1)
 
 
 def test_ctrl_c_ends_cleanly_with_what_it_has(tmp_path):

@@ -93,6 +93,7 @@ export class Hand {
   }
 
   take() {
+    if (this.state.ended) return; // nobody is there to be driven
     if (!this.active) this.since = performance.now();
     this.active = true;
   }

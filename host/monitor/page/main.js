@@ -7,7 +7,9 @@ import { Health } from "./health.js";
 import { Live } from "./live.js";
 import { HeadUp } from "./map.js";
 import { Motion } from "./motion.js";
+import { Over } from "./over.js";
 import { Player } from "./player.js";
+import { Recordings } from "./recordings.js";
 import { Tune } from "./tune.js";
 import { World } from "./world.js";
 
@@ -30,6 +32,8 @@ const dials = new Dials(get("dials"));
 const health = new Health(get("health"), get("log"));
 const send = (command) => live.send(command);
 const player = new Player(send);
+const recordings = new Recordings(get("recordings"), get("recorded"), send);
+const over = new Over(send);
 const tune = new Tune(get("parameters"), get("trims"), get("next-start"), send);
 const hand = new Hand(state, send, stop, auto);
 let heard = 0;
@@ -49,6 +53,7 @@ const HEAR = {
     hand.release();
     session = null;
     state.ended = null;
+    over.connected(message);
     player.connected(message);
     state.commands = message.commands;
   },
@@ -88,13 +93,22 @@ const HEAR = {
     state.candidates = { [message.side]: message };
     if (known && known.backward === message.backward) state.candidates[other] = known;
   },
-  recording(message) { player.recording(message.path); },
+  recording(message) {
+    player.recording(message.path, message.saved);
+    if (message.saved) recordings.ask();
+  },
+  recordings(message) { recordings.show(message.list); },
   playback(message) { player.playback(message); },
   reply(message) {
+    if (message.command === "keep") tune.kept(message);
     if (message.status !== "ok" || message.text) health.say(`${message.command}: ${message.text || message.status}`);
     tune.replied(message);
   },
-  refused(message) { health.say(message.text); },
+  refused(message) {
+    health.say(message.text);
+    if (message.do === "open") player.refused(message.text);
+    if (message.do === "again") over.refused(message.text);
+  },
   log(message) { health.say(message.text); },
   text(message) { health.say(message.text); },
   event(message) { health.say(message.text); },
@@ -102,6 +116,7 @@ const HEAR = {
     state.ended = message.text;
     health.say(message.text);
     hand.release();
+    over.ended(message.text, state.commands);
   },
 };
 
@@ -127,6 +142,7 @@ function auto() {
 }
 
 function manual() {
+  if (state.ended) return;
   hand.take();
 }
 
@@ -153,7 +169,7 @@ addEventListener("keydown", (event) => {
   if (event.code === "Space") {
     event.preventDefault();
     if (!event.repeat) stop();
-  } else if (writing || event.ctrlKey || event.metaKey || event.altKey || !state.commands) {
+  } else if (writing || event.ctrlKey || event.metaKey || event.altKey || !state.commands || state.ended) {
     return;
   } else if (hand.key(event.code, true)) {
     event.preventDefault();
@@ -176,7 +192,7 @@ function words() {
   let name = decision?.state || "connecting", reason = "";
   if (state.ended) {
     name = "ended";
-    reason = state.ended;
+    reason = get("over").hidden ? state.ended : ""; // which says it
   } else if (!live.socket) {
     name = "no monitor";
     reason = "the monitor has been closed, or its network is gone";

@@ -10,7 +10,12 @@ export class Player {
     get("again").onclick = () => send({ do: "again" });
     get("open").onsubmit = (event) => {
       event.preventDefault();
-      if (get("where").value) send({ do: "open", address: get("where").value.trim() });
+      this.open(get("where").value.trim());
+    };
+    get("where").oninput = () => this.refused("");
+    get("saved").onclick = (event) => {
+      event.preventDefault();
+      this.open(`file:${get("saved").textContent}`);
     };
     get("play").onclick = () => send({ do: "play", playing: !this.playing });
     get("rate").onchange = () => send({ do: "play", rate: Number(get("rate").value) });
@@ -20,19 +25,36 @@ export class Player {
     slider.oninput = () => send({ do: "play", position: Number(slider.value) });
   }
 
+  open(address) {
+    this.refused(address ? "" : "write where the robot is: twin:z?width=550, serial:/dev/ttyUSB0, udp:robot.local, file:out/drive.rec");
+    if (address) this.send({ do: "open", address });
+  }
+
+  // The reason stands where the address was written; what is shown goes on belonging to the robot that is open.
+  refused(text) {
+    this.get("open-trouble").textContent = text;
+    this.get("open-trouble").hidden = !text;
+    this.get("where").setAttribute("aria-invalid", Boolean(text));
+  }
+
   connected({ address, commands, recording }) {
     this.get("address").textContent = address;
     this.get("where").value = address;
     this.get("player").hidden = commands;
     for (const id of ["auto", "manual", "stop", "keep", "keep-restart", "restart", "record"]) this.get(id).disabled = !commands;
+    this.refused("");
     this.recording(recording);
   }
 
-  recording(path) {
+  recording(path, saved) {
     this.recordingPath = path;
     this.get("record").textContent = path ? "End recording" : "Record";
     this.get("record").classList.toggle("on", Boolean(path));
-    this.get("recording").textContent = path ? `into ${path}` : "";
+    this.get("recording").textContent = path ? `into ${path}` : saved ? "saved:" : "";
+    if (path || saved) {
+      this.get("saved").textContent = saved || "";
+      this.get("saved").hidden = !saved;
+    }
   }
 
   playback({ position, length, playing }) {

@@ -12,12 +12,14 @@ export class Tune {
     this.next = {};
     this.busy = {};
     this.settle = null;
+    this.unkept = new Map();
   }
 
   clear() {
     this.box.replaceChildren();
     this.trims.replaceChildren();
     this.rows = {};
+    this.unkept.clear();
     this.notice.hidden = true;
   }
 
@@ -38,6 +40,16 @@ export class Tune {
 
   start_anew() {
     setTimeout(() => this.send({ do: "restart" }), STAND_MS);
+  }
+
+  // What a Keep has done, in words.
+  kept({ status, text, kept }) {
+    const note = document.getElementById("kept");
+    const what = [...this.unkept].map((one) => one.join(" ")).join(", ") || "nothing was changed since the last time";
+    note.textContent = status === "ok" ? `Kept in ${kept}: ${what}.` : `Not kept: ${text || status}.`;
+    note.className = status === "ok" ? "" : "trouble";
+    note.hidden = false;
+    if (status === "ok") this.unkept.clear();
   }
 
   show(parameter) {
@@ -83,6 +95,7 @@ export class Tune {
   // A slider makes dozens of values a second; the robot gets the last of each moment, so that a wheel turns as its trim is dragged.
   tune(key, value) {
     this.next[key] = value;
+    this.unkept.set(key, value);
     if (!this.busy[key]) this.tell(key);
     // What the robot has made of it, told when there is a rest.
     clearTimeout(this.settle);
