@@ -290,13 +290,13 @@ class Lidar:
                 if command:
                     continue
             chunk = self._chunk
-            count = self._uart.readinto(chunk)
+            count = self.uart.readinto(chunk)
             if not count:
                 break
             state[_READ_US] = now_us
             if _append(store, state, chunk, count):
                 # The chunk was full: see what is left, and whether so much came at once that some was lost.
-                pending = self._uart.any()
+                pending = self.uart.any()
                 burst = state[_BURST] + _CHUNK
                 if burst + pending >= state[_RXBUF] + state[_COUNTED]:
                     self.overflows += 1

@@ -48,7 +48,7 @@ def run(station: Station) -> int:
                         return 0
                     mode = key if key in MODES else mode
                     try:
-                        _obey(station, key, mode)
+                        obey(station, key, mode)
                     except ValueError as error:
                         said.append(str(error))
                 if "ended" in latest and not interactive:
@@ -60,7 +60,7 @@ def run(station: Station) -> int:
         station.listeners.remove(hear)
 
 
-def _obey(station: Station, key: str, mode: str) -> None:
+def obey(station: Station, key: str, mode: str) -> None:
     if key == " ":
         station.command({"do": "drive", "what": "stop"})
     elif key == "a":

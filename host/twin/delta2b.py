@@ -32,7 +32,7 @@ class Delta2B:
         self._rate = mount.speed * mount.frames * POINTS
         self._gain = 1 + random.normal(0, 0.02)
         self.unplugged = False
-        self._sector = 0
+        self.sector = 0
         self._since = 0.0
         self._target = 0.0 if mount.motor is not None else mount.speed  # then it turns by itself
         self._fastest = np.inf
@@ -78,8 +78,8 @@ class Delta2B:
         mount, random = self.mount, self._random
         period = time - self.began
         n = min(round(self._rate * period / 1e6), MOST_POINTS)
-        start = self._sector / mount.frames
-        self._sector = (self._sector + 1) % mount.frames
+        start = self.sector / mount.frames
+        self.sector = (self.sector + 1) % mount.frames
         share = np.arange(n) / n
         x, y, heading = poses_at(self.began + share * period)
         turn = 2 * np.pi * (start + share / mount.frames)

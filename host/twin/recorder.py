@@ -42,16 +42,17 @@ def version(firmware):
 class Recorder(Observer):
     """Records all that goes into and comes out of the firmware.
 
-    writer: recording.Writer; None records nothing. lost: why the recording broke off, in words, "" if it did not: the run goes on without. Of several watches this must be the first to be told, so that it sees the inputs as the firmware did.
+    writer: recording.Writer; None records nothing. kept: whether the file stays even if the run ended well. lost: why the recording broke off, in
+    words, "" if it did not: the run goes on without. Of several observers this must be the first to be told, so that it sees the inputs as the firmware did.
     """
 
-    def __init__(self, writer):
+    def __init__(self, writer, kept=True):
         self._writer = writer
         self.lost = ""
         self._now = 0
         self._inputs = None
         self._next_pose = 0
-        self._kept = True
+        self._kept = kept
 
     @classmethod
     def begin(cls, path, robot, source, firmware, notes):
@@ -72,13 +73,11 @@ class Recorder(Observer):
             notes=notes,
         )
         try:
-            recorder = cls(recording.Writer(path, header))
+            return cls(recording.Writer(path, header), kept)
         except (OSError, recording.RecordingError) as error:
             if kept:
                 raise recording.RecordingError(str(error)) from None
-            recorder = cls(None)  # nobody asked for one
-        recorder._kept = kept
-        return recorder
+            return cls(None, kept)  # nobody asked for one
 
     def _write(self, stream, time, data):
         if self._writer is None or self.lost:

@@ -31,7 +31,7 @@ def _until(points, over, why=reasons.WAITING, config=_config, slice_us=1000):
     for k, (x, y) in enumerate(points):
         memory.x[k] = 8 * x & 0xFFFF
         memory.y[k] = 8 * y & 0xFFFF
-    memory._state[0] = len(points)
+    memory.state[0] = len(points)
     avoid.ways.frames = 100
     avoid.plan.why = why
     odometry = Still()

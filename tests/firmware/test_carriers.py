@@ -72,8 +72,8 @@ def make():
     source, sink, clock = Source(), Sink(), Clock()
     line = SerialLine(sys.stdin if MICROPYTHON else _Stdin(), sink, clock.read)
     line.close()
-    line._source = source
-    line._ready = source.ready
+    line.source = source
+    line.ready = source.ready
     return line, source, sink, clock
 
 
@@ -200,7 +200,7 @@ def test_a_flood_does_not_hold_the_loop():
 def test_the_line_allocates_nothing():
     line, _, sink, clock = make()
     encoder = Encoder()
-    line._ready = _nothing
+    line.ready = _nothing
     line.send(sealed(encoder))
     micropython.heap_lock()
     try:
@@ -301,8 +301,10 @@ def test_datagrams_go_to_who_was_heard_and_no_longer_than_that():
 
 def test_the_longest_frame_fits_its_view():
     sockets, encoder = Sockets(), Encoder()
-    radio = Radio(Wlan(), sockets, 9750, encoder)
-    radio._socket = sockets
+    wlan = Wlan()
+    wlan.up = True
+    radio = Radio(wlan, sockets, 9750, encoder)
+    radio.update(0)
     assert radio.announce(sealed(encoder, 1390))
     assert len(decode(sockets.sent.pop()[0])[0][2]) == 1390
 

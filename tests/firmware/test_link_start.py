@@ -38,7 +38,7 @@ def started(key):
         if key is not None:
             with open(KEY_FILE, "wb") as file:
                 file.write(key)
-        return start.start_link(Config, Machine)
+        return start.start_link(Config, Machine, None)
     finally:
         start.SerialLine = before
         if key is not None:
@@ -49,14 +49,14 @@ def test_only_a_whole_key_is_one():
     for size in (0, 1, 8, 31, 33, 64):
         link = started(bytes(size))
         assert link.signer is None, size
-        (remark,) = link._logs
+        (remark,) = link.logs
         assert remark[0] == 1 and b"32 bytes" in remark[1]
     link = started(bytes(range(32)))
-    assert link.signer is not None and not link._logs
+    assert link.signer is not None and not link.logs
 
 
 def test_without_a_key_it_says_so_once():
     link = started(None)
     assert link.signer is None
-    (remark,) = link._logs
+    (remark,) = link.logs
     assert b"no network.key" in remark[1]

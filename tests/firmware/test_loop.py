@@ -64,7 +64,7 @@ def _run(mode):
     robot, bus = _robot(mode, clock)
     scans = [rooms.revolution(*room) for room in _ROOMS]
     stages = 0
-    uart = robot.lidar._uart
+    uart = robot.lidar.uart
     avoid = robot.avoid
     turn = 0
     micropython.heap_lock()
@@ -97,9 +97,9 @@ def _check(mode):
         assert bus.chips[0x40].running() and bus.chips[0x41].bursts > 20
 
 
-def test_the_loop_allocates_nothing():
+def test_the_loop_goes_through_all_stages_in_a_locked_heap():
     _check("AWS")
 
 
-def test_the_loop_allocates_nothing_with_the_last_axle_straight():
+def test_so_it_does_with_the_last_axle_straight():
     _check("NAWS")

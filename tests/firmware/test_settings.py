@@ -103,9 +103,10 @@ def test_a_file_that_is_no_longer_json_stays():
 
 
 def test_a_refused_value_is_not_kept():
-    settings = Settings(make(), Drive(), {}, PATH)
+    changed = {}
+    settings = Settings(make(), Drive(), changed, PATH)
     assert "0 .. 100" in refused(settings.tune, "avoid.margin", 999)
-    assert settings._changed == {}
+    assert changed == {}
 
 
 def test_a_missing_file_is_said():

@@ -36,6 +36,14 @@ class Bench(Link):
         ((kind, _, payload),) = whole_frames.decode(data)
         self.sent.append((kind, payload))
 
+    def hear(self, data):
+        """Bytes from the robot."""
+        self._receive(data)
+
+    def tell(self, message):
+        """A message that comes from elsewhere, as the twin's truth does."""
+        self._put(message)
+
     def drives(self):
         """(what, AF, AR, V) of each DRIVE that was sent."""
         return [struct.unpack(protocol.DRIVE_FORMAT, payload)[1:] for kind, payload in self.sent if kind == protocol.DRIVE]
@@ -192,17 +200,18 @@ def test_what_was_given_on_the_command_line_may_be_opened_again(monkeypatch, tmp
     station = Station("twin:z?config=/home/me/robot.json")
     station.command({"do": "open", "address": "twin:z"})
     station.command({"do": "open", "address": "twin:z?config=/home/me/robot.json"})
+    assert station.address == "twin:z?config=/home/me/robot.json"
     station.close()
 
 
 def test_a_recording_of_a_link_carries_what_the_robot_told_of_itself(station):
     told = b'{"firmware": "0.1.0", "robot": "gapseeker-1", "board": "00ff", "width": 260, "length": 700, "track": 230, "spacings": [115, 150]}'
-    station.link._receive(whole_frames.frame(protocol.HELLO, struct.pack(protocol.HELLO_FORMAT, b"11111111", 0, b"") + told))
+    station.link.hear(whole_frames.frame(protocol.HELLO, struct.pack(protocol.HELLO_FORMAT, b"11111111", 0, b"") + told))
     for key, value in (("avoid.margin", b"20"), ("servos.trims.0", b"1.5"), ("servos.trims.1", b"-2")):
-        station.link._receive(whole_frames.frame(protocol.PARAMETER, b'{"key": "%s", "value": %s}' % (key.encode(), value)))
+        station.link.hear(whole_frames.frame(protocol.PARAMETER, b'{"key": "%s", "value": %s}' % (key.encode(), value)))
     assert until(lambda: len(station.known()) == 5)
     station.command({"do": "record"})
-    station.link._put({"type": "truth", "x": 750.0, "y": 20.0, "heading": 90.0})
+    station.link.tell({"type": "truth", "x": 750.0, "y": 20.0, "heading": 90.0})
     path = station.recording
     assert until(lambda: [message for message in station.known() if message["type"] == "truth"])
     station.stop_recording()
@@ -230,19 +239,19 @@ def test_a_full_disk_ends_the_recording_and_not_the_link(station, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(recording.Writer, "write", full)
-    station.link._receive(decision(5))
+    station.link.hear(decision(5))
     assert station.recording is None
     assert any("No space left" in message.get("text", "") for message in heard)
     assert until(lambda: any(message["type"] == "decision" for message in heard))
 
 
 def test_messages_reach_the_page_and_late_pages_too(server, station):
-    station.link._receive(NAMES + decision(5))
+    station.link.hear(NAMES + decision(5))
     page = Page(server)
     assert page.get("connected")["address"] == "serial:/dev/bench"
     assert page.get("names")["reasons"][1] == "steering through the gap"
     assert page.get("decision")["number"] == 5
-    station.link._receive(decision(6))
+    station.link.hear(decision(6))
     assert page.get("decision")["number"] == 6
     page.close()
 
@@ -290,12 +299,12 @@ def test_a_closed_page_leaves_a_robot_alone_that_drives_itself(server, station):
 
 
 def test_what_goes_over_the_link_is_recorded(server, station):
-    station.link._receive(NAMES)
+    station.link.hear(NAMES)
     page = Page(server)
     page.get("names")
     page.send({"do": "record"})
     path = page.get("recording")["path"]
-    station.link._receive(decision(5))
+    station.link.hear(decision(5))
     page.send({"do": "drive", "what": "stop"})
     assert until(lambda: station.link.drives())
     page.send({"do": "end_recording"})
@@ -373,7 +382,7 @@ def test_terminal_tells_faults_and_states():
 
 def test_terminal_keys_drive(station):
     for key, mode in ((" ", "1"), ("a", "1"), ("\x1b[A", "1"), ("\x1b[D", "1"), ("\x1b[C", "4"), ("\x1b[C", "5"), ("x", "1")):
-        text._obey(station, key, mode)
+        text.obey(station, key, mode)
     assert station.link.drives() == [
         (protocol.STOPPED, 0, 0, 90), (protocol.AUTO, 0, 0, 90), (protocol.MANUAL, 0, 0, 105), (protocol.MANUAL, -600, 600, 90),
         (protocol.MANUAL, 900, -900, 105), (protocol.MANUAL, 900, 900, 105),
@@ -387,13 +396,13 @@ def hello(session):
 
 def test_a_robot_that_has_started_anew_is_asked_again(station):
     link = station.link
-    link._receive(hello(b"11111111") + NAMES + whole_frames.frame(protocol.PARAMETER, b'{"key": "avoid.margin", "value": 20, "of": 1}'))
+    link.hear(hello(b"11111111") + NAMES + whole_frames.frame(protocol.PARAMETER, b'{"key": "avoid.margin", "value": 20, "of": 1}'))
     assert until(lambda: len(station.known()) == 4)
     asked = len(link.sent)
-    link._receive(hello(b"22222222"))
+    link.hear(hello(b"22222222"))
     assert until(lambda: protocol.LIST in [kind for kind, _ in link.sent[asked:]])
     assert "parameter" not in [message["type"] for message in station.known()]
-    link._receive(hello(b"22222222"))
+    link.hear(hello(b"22222222"))
     assert [kind for kind, _ in link.sent[asked:]].count(protocol.LIST) == 1
 
 

@@ -23,7 +23,7 @@ def running(version=1, settings=None, course="Z", duty=0.62):
     vehicle = Vehicle.from_settings(settings or {})
     lidar = Delta2B(vehicle.lidar, World(courses.make(course, 550).segments), np.random.default_rng(1), version)
     lidar.spin(0, duty)
-    while lidar.due < 3e6 or lidar._sector:
+    while lidar.due < 3e6 or lidar.sector:
         lidar.take(standing(275, -50, 0))
     return lidar
 

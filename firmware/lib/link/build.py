@@ -33,7 +33,7 @@ def set_up_link(self, config, identity, encoder, carriers, session, safety, sign
     self._names_due = False
     self._nonce = b""  # of a greeting over the network, for the HELLO that answers it
     self._asker = None  # the carrier over which somebody asked without knowing the session
-    self._logs = []
+    self.logs = []
     self._drive_fault = ""
     self._battery_low = False
     self._fault = 0  # told last
@@ -48,12 +48,12 @@ def set_up_link(self, config, identity, encoder, carriers, session, safety, sign
 def set_up_line(self, source, sink, clock):
     """Fields of a SerialLine."""
     # CPython's buffered reader would take bytes that select then no longer sees.
-    self._source = getattr(source.buffer, "raw", source.buffer)
+    self.source = getattr(source.buffer, "raw", source.buffer)
     self._sink = sink.buffer
     self._clock = clock
     poller = select.poll()
     poller.register(source, select.POLLIN)
-    self._ready = getattr(poller, "ipoll", poller.poll)  # poll makes a list at each call
+    self.ready = getattr(poller, "ipoll", poller.poll)  # poll makes a list at each call
     self._one = bytearray(1)
     self.decoder = Decoder(_COMMAND)
     self._begun_us = 0  # when the frame that is coming in began

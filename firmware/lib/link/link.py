@@ -70,8 +70,8 @@ class Link(Commands):
 
     def log(self, level, text):
         """Queue a line for the log: level 0 information, 1 warning, 2 error; text a str. Allocates; not for every loop."""
-        if len(self._logs) < _WAITING:
-            self._logs.append((level, text.encode()))
+        if len(self.logs) < _WAITING:
+            self.logs.append((level, text.encode()))
         else:
             self.dropped += 1
 
@@ -220,8 +220,8 @@ class Link(Commands):
             counter, kind, status, text = self.replies.pop(0)
             pack_into("<IBB", data, _AT, counter, kind, status)
             return messages.text(_REPLY, data, _REPLY_SIZE, text)
-        if self._logs:
-            data[_AT], text = self._logs.pop(0)
+        if self.logs:
+            data[_AT], text = self.logs.pop(0)
             return messages.text(_LOG, data, 1, text)
         if self._names_due:
             self._names_due = False

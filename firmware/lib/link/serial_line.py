@@ -74,16 +74,16 @@ class SerialLine:
             decoder.clear()
         one = self._one
         count = _BLOCK
-        while count and self._source is not None:
+        while count and self.source is not None:
             count -= 1
             ready = False
-            for _ in self._ready(0):
+            for _ in self.ready(0):
                 ready = True
             if not ready:
                 return False
             # One byte at a time: on the board a longer read would wait until all of it has come.
-            if not self._source.readinto(one):
-                self._source = None  # the other end is closed for good
+            if not self.source.readinto(one):
+                self.source = None  # the other end is closed for good
                 return False
             if one[0] == _CTRL_C and not decoder.waiting():
                 raise KeyboardInterrupt

@@ -19,7 +19,7 @@ _CLEAR = const(60)  # mm from the outline: the border of what is unknown comes n
 
 def lidar(self, uart, motor_pwm, config):
     """Fields of a Lidar."""
-    self._uart = uart
+    self.uart = uart
     self._motor = motor_pwm
     self.n = self.place = self.frame_us = self.speed20 = self.frames = self.speed_faults = self.overflows = self._motor_sum = 0
     self.ok = False
@@ -82,7 +82,7 @@ def local_map(self, config):
     # In the order of the places in local_map.py
     reach = min(far8 * 7 // 10, 4 * config.lidar_far, 32000)
     cells = length * 8 // 30, reach, 4 * config.lidar_near, length * 8
-    self._state = array("i", (0, 0, 0, far8) + cells + (self.keep >> unit, unit) + (0,) * 6)
+    self.state = array("i", (0, 0, 0, far8) + cells + (self.keep >> unit, unit) + (0,) * 6)
 
 
 def windows(self, config, capacity, band_mm):

@@ -384,6 +384,7 @@ class LocalMap:
     """The remembered points. `count` of them; `view()` gives them in the body frame.
 
     x, y: array('H') of their coordinates on the floor, 1/8 mm modulo 2**16; the first `count` count.
+    state: array('i') whose places have names above, the count first
     keep: mm rolled before an unseen point is given up
     """
 
@@ -394,7 +395,7 @@ class LocalMap:
 
     @property
     def count(self):
-        return self._state[_COUNT]
+        return self.state[_COUNT]
 
     def frame(self, lidar, odometry):
         """Place one frame's points, measured while the body moved as odometry says, and drop those that it disproves.
@@ -405,7 +406,7 @@ class LocalMap:
         n = lidar.n
         if n < 2:
             return
-        state = self._state
+        state = self.state
         # The clock of the memory goes on, for as long as frames come.
         passed = ticks_diff(lidar.frame_us, self._frame_us)
         self._frame_us = lidar.frame_us
@@ -454,7 +455,7 @@ class LocalMap:
 
     def _clear(self, lidar, n, heading):
         """Drop what the frame sees past, and what is too old or too far. heading: at the last point, 0.1 deg."""
-        state = self._state
+        state = self.state
         first = heading + lidar.bearings[0]
         last = heading + lidar.bearings[n - 1]
         s0 = sin14(first) >> 4
@@ -485,4 +486,4 @@ class LocalMap:
 
         x, y, heading: the body, 1/8 mm and 0.1 deg.
         """
-        return _view(reach, sin14(heading), cos14(heading), self._state, self.x, self.y, x & 0xFFFF, y & 0xFFFF, bx, by)
+        return _view(reach, sin14(heading), cos14(heading), self.state, self.x, self.y, x & 0xFFFF, y & 0xFFFF, bx, by)

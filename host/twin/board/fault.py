@@ -43,9 +43,9 @@ def load(what):
     """Be ready to fail. what: the dict of fault.json: `kind`, and what else that kind wants."""
     kind = what["kind"]
     if kind == "bus":
-        _original = machine.I2C._transfer
+        _original = machine.I2C.transfer
 
-        def _transfer(self, address, count):
+        def transfer(self, address, count):
             if lockstep.level(_BUS_STUCK):
                 lockstep.flush()  # what pins did a moment ago may have freed it
             if lockstep.level(_BUS_STUCK):
@@ -53,7 +53,7 @@ def load(what):
                 raise OSError(_TIMED_OUT)
             _original(self, address, count)
 
-        machine.I2C._transfer = _transfer
+        machine.I2C.transfer = transfer
         return
     if kind == "flood":
         _flood(1_000_000 // what["rate"], bytes(what["datagram"]))

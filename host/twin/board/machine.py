@@ -206,7 +206,7 @@ class I2C:
         self._register = bytearray(1)
         self._joined = bytearray(160)
 
-    def _transfer(self, address, count):
+    def transfer(self, address, count):
         """Pass the time of `count` bytes and the address; raise when nobody acknowledges."""
         charge.settle()
         present = lockstep.acknowledges(address)
@@ -222,7 +222,7 @@ class I2C:
     def writeto(self, address, buffer, stop=True):
         """Write; returns the number of bytes acknowledged."""
         count = len(buffer)
-        self._transfer(address, count)
+        self.transfer(address, count)
         lockstep.note(lockstep.I2C_WRITE, address, count, buffer, count)
         return count
 
@@ -233,12 +233,12 @@ class I2C:
             raise ValueError("at most 159 bytes in one write")
         self._joined[0] = register
         lockstep.copy(self._joined, 1, buffer, 0, count)
-        self._transfer(address, count + 1)
+        self.transfer(address, count + 1)
         lockstep.note(lockstep.I2C_WRITE, address, count + 1, self._joined, count + 1)
 
     def readfrom_into(self, address, buffer, stop=True):
         """Read from where the register pointer stands."""
-        self._transfer(address, len(buffer))
+        self.transfer(address, len(buffer))
         lockstep.read(address, buffer, len(buffer))
 
     def readfrom_mem_into(self, address, register, buffer):
