@@ -9,8 +9,9 @@ from perception.odometry import Odometry
 
 _STOPPED = const(12)  # reasons.STOPPED
 _FAULT = const(13)  # reasons.FAULT
-_MANUAL = const(14)  # reasons.MANUAL
 _START = const(18)  # reasons.START
+
+_ABRUPT = const(10)  # V
 
 _PART = const(2)  # place in the watchdog's note, and who is at work
 _LIDAR = const(1)
@@ -45,6 +46,7 @@ class Robot:
         self._slices_us = 0
         self._slices = 0  # of the decision, still to be made before the next frame
         self._owed = False  # one of them at least
+        self._by_hand = 0  # how far V may lie from 90 by the last frame
 
     def step(self):
         """Once round. Returns True if a lidar frame was taken in.
@@ -103,9 +105,12 @@ class Robot:
         if not safety.check(now):
             self._stand(safety, seen)
         elif safety.state == telemetry.MANUAL:
-            self._command(link.af, link.ar, link.v)
             if seen:
-                avoid.observe(odometry, _MANUAL, link.af, link.ar, link.v)
+                self._by_hand = most = avoid.by_hand(odometry, link.af, link.ar, link.v)
+                if abs(drive.told_v256) > most + _ABRUPT << 8:
+                    drive.stop()  # slowing down as gently as it is done otherwise would take too long
+            most = self._by_hand
+            self._command(link.af, link.ar, min(max(link.v, 90 - most), 90 + most))
         elif seen:
             note[_PART] = _PLANNER
             keep(note)

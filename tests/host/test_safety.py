@@ -122,3 +122,26 @@ def test_a_button_that_opens_stops_with_its_wire_off_and_never_starts():
 def test_an_exception_is_told():
     bench = drive(autostart=True, fault="exception-avoid@3", limit_s=5)
     assert 9 in bench.faults() and any(line.startswith("planner:") for line in bench.logs())
+
+
+def _hand(start, end, v, counter=10, af=0):
+    """Commands by hand, ten a second."""
+    return [(start + k / 10, whole_frames.frame(protocol.DRIVE, messages.drive(counter + k, "manual", af, 0, v))) for k in range(round((end - start) * 10))]
+
+
+class Touches(Bench):
+    def step(self, simulation):
+        super().step(simulation)
+        self.touches = len(simulation.contact.touches)
+        self.y = simulation.body.y
+
+
+@pytest.mark.parametrize("v", [180, 130])
+def test_a_hand_does_not_drive_it_into_a_wall_and_can_back_out(v):
+    bench = Touches(*_hand(3, 12, v))
+    run(**COURSE, watch=bench, changes={"drive.autostart": False}, limit_s=13)
+    assert bench.drove(3, 5) and not bench.drove(11.5, 12) and bench.touches == 0
+    there = bench.y
+    bench = Touches(*_hand(3, 12, v), *_hand(12, 13, 70, 200))
+    run(**COURSE, watch=bench, changes={"drive.autostart": False}, limit_s=14)
+    assert bench.touches == 0 and bench.drove(12.2, 13.3) and bench.y < there - 50
