@@ -114,7 +114,7 @@ class MotionCheck:
             k += 1
         state[_NOW] = state[_TURN] - state[_NOW]
         whole = state[_WEIGHT]
-        if v256 and not self.fault and whole > _INFORMED and state[_AGREED] * 5 < whole * 2 and state[_RATIO] * 4 < whole * 3:
+        if v256 and not self.fault and whole > _INFORMED and state[_AGREED] * 2 < whole and state[_RATIO] * 10 < whole * 7:
             self.fault = _WRONG_WAY if ratio < -weight else _NOTHING if ratio < weight else _HALF
             self.alarm = state[_SINCE] < _FORGET
             self.way = 1 if v256 > 0 else 2
