@@ -116,7 +116,7 @@ def costs(robot, moment, path):
 
 
 def connected(grid, pose):
-    """(12, 28, 28) bool: the open poses that hang together with those round the body; behind the walls there are others."""
+    """(12, 26, 26) bool: the open poses that hang together with those round the body; behind the walls there are others."""
     seen = np.zeros_like(grid.closed)
     i, j = (int((at - corner) / grid.cell) for at, corner in zip(pose, grid.corner, strict=False))
     t = round(pose[2] / 15) % TURNS
@@ -134,7 +134,7 @@ def connected(grid, pose):
 
 
 def in_mm(grid):
-    """(12, 28, 28) cost to go of each pose in mm, as the firmware itself reads it; NaN where there is none."""
+    """(12, 26, 26) cost to go of each pose in mm, as the firmware itself reads it; NaN where there is none."""
     cell = round(8 * grid.cell)
     t, j, i = np.indices(grid.closed.shape).reshape(3, -1)
     poses = np.column_stack([i * cell + cell // 2 + 65536, j * cell + cell // 2 + 65536, t * 150]).ravel()

@@ -16,7 +16,7 @@ from host.bench.measure import HERE as BENCH
 from host.twin import image
 
 COURSES = tuple({"course": "Z", "width": width, "seed": seed, "limit_s": 12, "chip": math.inf} for width, seed in ((450, 1), (450, 2), (500, 4)))
-N, TURNS = 28, 12  # places to a side of the grid, orientations
+N, TURNS = 26, 12  # places to a side of the grid, orientations
 _ROWS = N * TURNS
 _BIAS = 8192
 _LENGTHS = 5  # moves of a candidate
@@ -33,8 +33,8 @@ class DrawingError(Exception):
 class Grid:
     """A cost to go. Floor, mm, in the frame of the odometry.
 
-    corner: (x, y). cell: mm. bytes: the costs as the firmware keeps them. closed, near: (12, 28, 28) bool, by orientation, row, column.
-    revisit: (28, 28) int, halves of the usual cost of a step.
+    corner: (x, y). cell: mm. bytes: the costs as the firmware keeps them. closed, near: (12, 26, 26) bool, by orientation, row, column.
+    revisit: (26, 26) int, halves of the usual cost of a step.
     """
 
     corner: tuple

@@ -6,7 +6,7 @@ from params.config import Config
 from planner import tables
 from planner.propagate import propagate
 
-_N = 28
+_N = 26
 _TURNS = 12
 
 

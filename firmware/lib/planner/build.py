@@ -23,9 +23,9 @@ _NO_POINT = const(32767)
 _WAITING = const(0)  # reasons.WAITING
 _ARC_STRIDE = const(8)  # candidates.py
 _TURNS = const(12)  # cost_to_go.py
-_ROWS = const(336)
-_PLACES = const(784)
-_STATES = const(9408)
+_ROWS = const(312)
+_PLACES = const(676)
+_STATES = const(8112)
 _TRAIL = const(120)
 _MOVE_FIELDS = const(17)  # move_cost.py
 # log2 of sixteenths of a cell in a unit of cost; where the last axle stays straight, to and fro costs more

@@ -1,16 +1,16 @@
 """Making the grid of costs: what is closed, what has been visited, where the exits are. The stages of cost_to_go.py before propagate.py.
 
-A grid of poses: 28 x 28 places, each a cell of 1/12 body length, 12 orientations of 15 degrees. Masks hold a 32-bit word a row, a bit a column.
+A grid of poses: 26 x 26 places, each a cell of 1/12 body length, 12 orientations of 15 degrees. Masks hold a 32-bit word a row, a bit a column.
 Lengths on the floor are 1/8 mm modulo 2**16.
 """
 
 import micropython
 from micropython import const
 
-_N = const(28)
+_N = const(26)
 _TURNS = const(12)
-_ROWS = const(336)
-_ALL = const(0x0FFFFFFF)  # columns of a row
+_ROWS = const(312)
+_ALL = const(0x03FFFFFF)  # columns of a row
 _KNEE = const(216)  # of costs: see propagate.py
 _TRAIL = const(120)  # points of the trail
 _VISITS = const(40)  # a revisit cost rises no further
@@ -171,7 +171,7 @@ def seed(cost: ptr8, closed: ptr32, fallen: ptr32, ux: int, uy: int, sense: int,
                 h -= 2 * _TURNS
             if ((closed[row] >> x) & 1) == 0:
                 # 8 cells straight ahead, none at the corner ahead; behind, 3 times the way there more
-                c = ((38 << 10) - (x + x - _N + 1) * ux - (y + y - _N + 1) * uy) * 12 >> 10
+                c = ((35 << 10) - (x + x - _N + 1) * ux - (y + y - _N + 1) * uy) * 13 >> 10
                 if c < 0:
                     c = 0
                 c = (c + rim[h]) >> shift

@@ -1,6 +1,6 @@
 """The cost to go: what it costs the long body, from every pose round it, to leave the neighbourhood.
 
-The collision check knows what the body can do in the next half second; it does not know where to go. This does: over a grid of poses (28 x 28 places
+The collision check knows what the body can do in the next half second; it does not know where to go. This does: over a grid of poses (26 x 26 places
 of 1/12 body length, 12 orientations of 15 degrees) the cost of the cheapest way out is propagated inwards from the rim. Poses in which the outline covers a
 point are closed; places the robot has covered already are expensive, more each time, so that it goes on rather than back and comes back only when
 nothing else is left. Rim places in the direction the robot has been travelling are the cheapest exits, and those left nose first: a long body would
@@ -23,11 +23,11 @@ from planner.propagate import propagate
 
 _POINTS = const(26)  # closed in one slice
 _WORK = const(940)  # propagated in one slice
-_N = const(28)
+_N = const(26)
 _TURNS = const(12)
-_ROWS = const(336)
-_PLACES = const(784)
-_STATES = const(9408)
+_ROWS = const(312)
+_PLACES = const(676)
+_STATES = const(8112)
 _OUT = const(255)  # cost of what is closed or not reached
 _TRAIL = const(120)  # points, one each cell's length
 _TRAIL_GAP = const(10)  # those behind the centre that are still under the body

@@ -11,15 +11,15 @@ from micropython import const
 
 from core.trig import cos14, sin14
 
-_N = const(28)
-_PLACES = const(784)
-_STATES = const(9408)
-_ALL = const(0x0FFFFFFF)  # columns of a row of the grid
+_N = const(26)
+_PLACES = const(676)
+_STATES = const(8112)
+_ALL = const(0x03FFFFFF)  # columns of a row of the grid
 _OUT = const(255)  # cost of what is closed or not reached
 _TURNS = const(12)
 _LARGEST = const(4)  # lean: so the closed orientation stays 30 degrees off the body's own
-# Numbers of the next places less that of this one, + 29: of two that cost the same the straight way is taken.
-_NEXT = bytes((57, 1, 30, 28, 58, 56, 2, 0))
+# Numbers of the next places less that of this one, + 27: of two that cost the same the straight way is taken.
+_NEXT = bytes((53, 1, 28, 26, 54, 52, 2, 0))
 
 
 @micropython.viper

@@ -1,8 +1,8 @@
 """Propagating the cost to go from the rim of the grid inwards, along the motion primitives.
 
-    cost     a byte a pose, (orientation * 28 + y) * 28 + x: 0..216 units of the cost to go, from there on 217..253 fours of units, 254 that or more,
+    cost     a byte a pose, (orientation * 26 + y) * 26 + x: 0..216 units of the cost to go, from there on 217..253 fours of units, 254 that or more,
              255 closed or not reached
-    masks    a 32-bit word a row (orientation * 28 + y), a bit a column: closed, near, and fallen
+    masks    a 32-bit word a row (orientation * 26 + y), a bit a column: closed, near, and fallen
 
 A pose whose cost fell is marked in `fallen`. The rows are gone through again and again; each marked pose within a limit is unmarked, and offers its cost plus
 that of a step to each pose that leads to it, which is marked if that is less than what it has. When no marked pose is within the limit any more, the limit rises a little
@@ -13,9 +13,9 @@ search: D. P. Bertsekas, Dynamic Programming and Optimal Control, vol. 1, sectio
 import micropython
 from micropython import const
 
-_N = const(28)
+_N = const(26)
 _TURNS = const(12)
-_ROWS = const(336)
+_ROWS = const(312)
 _MOST = const(254)
 _KNEE = const(216)  # above, units are four times as large: so far out it is known roughly what leaving costs
 _BAND = const(64)  # by which the limit rises above the least cost: 4 cells, sixteenths of a cell
