@@ -116,17 +116,7 @@ def run(
         child = Process(engine, text, watch.serial, firmware, heap, chip, failing.clock_us or clock_us, failing.files)
         stack.callback(child.close)
         watch.board(child.folder)
-        over = False
-        try:
-            ended = _drive(simulation, child, watch, speed, limit_s)
-        except FirmwareStopped as stopped:
-            if failing.began is not None:
-                simulation.go_on(failing.began + failing.watched_s * 1e6)  # the chips do what they were told last
-            simulation.result, simulation.reason = BLOCKED, str(stopped)
-            ended = over = True
-        except KeyboardInterrupt:
-            simulation.stop(TIMEOUT, "interrupted")
-            ended = False
+        ended, over = _watched(simulation, child, watch, speed, limit_s, failing)
         child.close()  # what it printed last belongs to the recording
         badly = ended and simulation.result != PASS
         kept = recorder.finish(simulation.result, simulation.reason, badly) if recorder else None
@@ -147,6 +137,20 @@ def run(
             lost=recorder.lost if recorder else "",
         ),
     )
+
+
+def _watched(simulation, child, watch, speed, limit_s, failing):
+    """Drive; returns (False if a person ended it, True if the firmware did)."""
+    try:
+        return _drive(simulation, child, watch, speed, limit_s), False
+    except FirmwareStopped as stopped:
+        if failing.began is not None:
+            simulation.go_on(failing.began + failing.watched_s * 1e6)  # the chips do what they were told last
+        simulation.result, simulation.reason = BLOCKED, str(stopped)
+        return True, True
+    except KeyboardInterrupt:
+        simulation.stop(TIMEOUT, "interrupted")
+        return False, False
 
 
 def _address(course, width, gap, seed, mirror, reverse, angle, scale, chip):

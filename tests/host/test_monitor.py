@@ -44,6 +44,10 @@ class Bench(Link):
         """A message that comes from elsewhere, as the twin's truth does."""
         self._put(message)
 
+    def end(self, why):
+        """No more messages."""
+        self._end(why)
+
     def drives(self):
         """(what, AF, AR, V) of each DRIVE that was sent."""
         return [struct.unpack(protocol.DRIVE_FORMAT, payload)[1:] for kind, payload in self.sent if kind == protocol.DRIVE]
@@ -447,11 +451,11 @@ def test_again_with_another_course_takes_no_other_options_from_the_page(station)
 
 
 def test_recordings_are_listed_with_what_became_of_them(station):
-    station.link._receive(NAMES)
+    station.link.hear(NAMES)
     station.command({"do": "record", "path": "first.rec"})
     for x in (0, 100, 200):
-        station.link._put({"type": "truth", "x": x, "y": 20.0, "heading": 90.0})
-    station.link._end("pass after 20.0 s")
+        station.link.tell({"type": "truth", "x": x, "y": 20.0, "heading": 90.0})
+    station.link.end("pass after 20.0 s")
     assert until(lambda: any(message["type"] == "ended" for message in station.known()))
     heard = []
     station.listeners.append(heard.append)

@@ -6,7 +6,6 @@ from micropython import const
 
 from link.telemetry import copy
 
-SCANS = const(1)  # flags of WATCH
 CANDIDATES = const(2)
 
 _TYPE = const(3)

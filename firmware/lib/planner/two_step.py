@@ -11,8 +11,7 @@ from planner.collision import drop_behind, mirror, move
 from planner.move_cost import NOTHING, best, in_a_slice, suppress
 
 _COARSE = const(6)  # first moves
-_FINE = const(6)  # more lengths of the best one
-MOST = const(12)
+MOST = const(12)  # with more lengths of the best one
 _SLACK = const(60)  # mm by which a second move may end better than the cost to go at its beginning says
 _TO_A_SIDE = const(60)  # mm that a second move costs for being one
 
