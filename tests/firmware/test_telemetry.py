@@ -5,7 +5,7 @@ import struct
 import micropython
 
 from link import protocol
-from link.frames import FrameReader, decode, frame
+from link.frames import FrameReader, StreamDecoder, decode, frame
 from link.telemetry import Decoder, Encoder
 
 
@@ -40,7 +40,7 @@ def test_text_between_frames_is_stray():
 
 def test_one_byte_at_a_time():
     data = b"x" + frame(4, b"12345", 300)
-    decoder = Decoder(16)
+    decoder = StreamDecoder(16)
     for byte in data[:-1]:
         assert not decoder.add(byte) and not decoder.take()
     assert decoder.add(data[-1])
@@ -75,7 +75,7 @@ def test_frames_swallowed_by_a_broken_one_are_found_one_after_the_other():
     broken[-1] ^= 1
     small = b"".join([frame(6, b"", k) for k in range(4)])
     data = bytes(broken[:12]) + small + bytes(50)
-    decoder = Decoder(64)
+    decoder = StreamDecoder(64)
     found = []
     for byte in data:
         more = decoder.add(byte)
@@ -96,7 +96,7 @@ def test_a_datagram_replaces_what_there_was():
 
 def test_an_unfinished_frame_can_be_cleared():
     heard = []
-    decoder = Decoder(64, heard.append)
+    decoder = StreamDecoder(64, heard.append)
     for byte in frame(5, b"\x03 is Ctrl-C")[:14]:
         assert not decoder.add(byte)
     assert decoder.waiting()

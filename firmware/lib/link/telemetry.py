@@ -76,16 +76,14 @@ class Encoder:
 class Decoder:
     """Finds the frames in a stream of bytes, whatever lies between them.
 
-    max_payload: longer frames are none. stray: called with each byte (an int) that belongs to no frame, or None.
+    max_payload: longer frames are none.
 
-    kind, sequence, end     of the frame for which `add` or `take` returned True; its payload is data[8:end] until the next call
-    errors                  counts frames whose check failed
+    kind, end     of the frame for which `add` or `take` returned True; its payload is data[8:end] until the next call
     """
 
-    def __init__(self, max_payload, stray=None):
+    def __init__(self, max_payload):
         self.data = bytearray(_HEADER + max_payload + _CHECK)
-        self.kind = self.sequence = self.end = self.errors = 0
-        self._stray = stray
+        self.kind = self.end = 0
         self._tail = 0  # bytes in `data`
         self._need = 1  # before there are so many there is nothing to look at
 
@@ -123,11 +121,9 @@ class Decoder:
                 elif end + _CHECK > tail:
                     self._need = end + _CHECK
                 elif crc16(data, 2, end) != data[end] | data[end + 1] << 8:
-                    self.errors += 1
                     self._skip()
                 else:
                     self.kind = data[_TYPE]
-                    self.sequence = data[_SEQUENCE] | data[_SEQUENCE + 1] << 8
                     self.end = end
                     return True
         return False
@@ -150,9 +146,6 @@ class Decoder:
         count = 1
         while count < self._tail and self.data[count] != _SYNC_0:
             count += 1
-        if self._stray is not None:
-            for i in range(count):
-                self._stray(self.data[i])
         self._cut(count)
 
     def _cut(self, count):

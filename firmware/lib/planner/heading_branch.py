@@ -6,6 +6,8 @@ and the other way round, rear first, is not. Where the half turn ends, the orien
 are those of two noses.
 """
 
+from array import array
+
 import micropython
 from micropython import const
 
@@ -18,12 +20,12 @@ _ALL = const(0x03FFFFFF)  # columns of a row of the grid
 _OUT = const(255)  # cost of what is closed or not reached
 _TURNS = const(12)
 _LARGEST = const(4)  # lean: so the closed orientation stays 30 degrees off the body's own
-# Numbers of the next places less that of this one, + 27: of two that cost the same the straight way is taken.
-_NEXT = bytes((53, 1, 28, 26, 54, 52, 2, 0))
+# Numbers of the next poses less that of this one, + _PLACES: of two that cost the same the straight way is taken; the orientations come last.
+_NEXT = array("H", (702, 650, 677, 675, 703, 701, 651, 649, 1352, 0))
 
 
 @micropython.viper
-def _exit(at: int, cost: ptr8, next_places: ptr8) -> int:
+def _exit(at: int, cost: ptr8, next_places: ptr16) -> int:
     """The pose of the grid at which the costs leave it from pose `at`: each time on to the cheapest next one. -1 if they do not."""
     least = int(cost[at])
     while True:
@@ -35,16 +37,11 @@ def _exit(at: int, cost: ptr8, next_places: ptr8) -> int:
         to = at
         d = 0
         while d < 10:
-            if d < 8:
-                i = at + next_places[d] - _N - 1
-            elif d == 8:
-                i = at + _PLACES
-                if i >= _STATES:
-                    i -= _STATES
-            else:
-                i = at - _PLACES
-                if i < 0:
-                    i += _STATES
+            i = at + next_places[d] - _PLACES
+            if i >= _STATES:
+                i -= _STATES
+            if i < 0:
+                i += _STATES
             if cost[i] < least:
                 least = cost[i]
                 to = i
