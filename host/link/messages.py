@@ -31,8 +31,9 @@ import struct
 
 from link import auth, protocol
 from params import schema
+from planner import reasons
 
-STATES = ("stopped", "auto", "manual")
+STATES = ("stopped", "auto", "manual")  # "waiting", for its first start after power-up, is a decision of its own
 STATUSES = ("ok", "refused")
 WINDOWS = 5  # none, green, red, blue, yellow
 FULL_V256 = 90 * 256
@@ -114,8 +115,9 @@ def _decision(payload):
     number, time, state, mode, af, ar, v, window, zone, free, x, y, why, took = struct.unpack(protocol.DECISION_FORMAT, payload)
     if window >= WINDOWS:
         raise ValueError(f"window {window} cannot be")
+    waits = state == protocol.STOPPED and why == reasons.START
     return {
-        "type": "decision", "number": number, "time": time / 1e6, "state": STATES[state], "mode": mode, "af": af / 10, "ar": ar / 10, "v": v,
+        "type": "decision", "number": number, "time": time / 1e6, "state": "waiting" if waits else STATES[state], "mode": mode, "af": af / 10, "ar": ar / 10, "v": v,
         "window": window, "zone": None if zone == 255 else zone, "free": free, "block": _block(x, y), "why": why, "took": took / 1000,
     }  # fmt: skip
 

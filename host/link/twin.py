@@ -1,10 +1,10 @@
 """The twin as a link: it runs in a thread, and the firmware's USB serial line is the wire.
 
     twin:COURSE?width=550&gap=400&seed=3&mirror=1&reverse=1&angle=90&scale=1&mode=naws&speed=1&chip=1&engine=cpython&config=robot.json&record=FILE
-        &fault=NAME@SECONDS
+        &fault=NAME@SECONDS&autostart=0
 
-COURSE is one of the twin's, in any case; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes. What
-the others mean: `python -m host.twin --help`.
+COURSE is one of the twin's, in any case; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes.
+autostart=0 waits for a start, as the robot does after power-up. What the others mean: `python -m host.twin --help`.
 """
 
 import shutil
@@ -41,7 +41,7 @@ def _fault(text):
 
 OPTIONS: dict[str, Callable] = {
     "width": float, "gap": float, "seed": int, "mirror": _flag, "reverse": _flag, "angle": float, "scale": float, "mode": str, "engine": str,
-    "speed": _speed, "chip": float, "config": str, "firmware": str, "record": str, "fault": _fault,
+    "speed": _speed, "chip": float, "config": str, "firmware": str, "record": str, "fault": _fault, "autostart": _flag,
 }  # fmt: skip
 
 
@@ -62,6 +62,8 @@ def arguments_of(course: str, options: dict) -> dict:
             raise
         except ValueError:
             raise AddressError(f"twin option {key}={text}: a number is needed") from None
+    if not arguments.pop("autostart", True):
+        arguments["changes"] = {"drive.autostart": False}
     return arguments
 
 
@@ -88,7 +90,7 @@ class TwinLink(Link):
         self._open = True
         self._told = False
         self._limit = LIMIT_US
-        self._held = False  # a person drives it, or has stopped it
+        self._held = "changes" in arguments  # a person drives it, or has stopped it, or has not started it yet
         self._looked = 0.0
         self._folder: Path | None = None
         watch = _observer(self._receive, self._outgo, self._look, self._board)

@@ -16,7 +16,7 @@ LATEST = ("hello", "names", "world", "health", "decision", "points", "wheels", "
 
 RECORDINGS = Path("out")  # where a page records, and the only folder from which it opens recordings
 # What a page may ask of the twin: no files, and no code of the asker's choice. The command line takes every option.
-PAGE_OPTIONS = ("width", "gap", "seed", "mirror", "reverse", "angle", "scale", "mode", "speed")
+PAGE_OPTIONS = ("width", "gap", "seed", "mirror", "reverse", "angle", "scale", "mode", "speed", "autostart")
 
 COURSES = ("Z", "U", "S", "S-sharp", "bend", "random")  # what "drive again" offers; the twin, which needs numpy, is asked when it is opened
 

@@ -99,10 +99,10 @@ def reason(latest: dict) -> str:
         return faults[health["fault"]] if health["fault"] < len(faults) else f"fault {health['fault']}"
     if decision is None:
         return ""
-    if decision["state"] != "auto":
-        return {"manual": "driven by hand", "stopped": "stopped by command or button"}[decision["state"]]
     reasons = names.get("reasons", [])
     text = reasons[decision["why"]] if decision["why"] < len(reasons) else f"reason {decision['why']}"
+    if decision["state"] != "auto":
+        return text
     window = WINDOWS[decision["window"]] if decision["window"] < len(WINDOWS) else ""
     return f"{text} ({window}, zone {decision['zone']})" if window and decision["zone"] is not None else text
 

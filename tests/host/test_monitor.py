@@ -380,7 +380,7 @@ def test_terminal_shows_map_figures_and_reason():
 
 def test_terminal_tells_faults_and_states():
     assert text.reason({**LATEST, "health": {**LATEST["health"], "fault": 1}}) == "lidar is silent"
-    assert text.reason({**LATEST, "decision": {**LATEST["decision"], "state": "manual"}}) == "driven by hand"
+    assert text.reason({**LATEST, "decision": {**LATEST["decision"], "state": "waiting", "why": 0}}) == "waiting"  # and no zone
     assert text.line({}) == "waiting for the robot"
 
 

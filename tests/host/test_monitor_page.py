@@ -405,3 +405,15 @@ def test_a_recording_is_saved_linked_and_listed(monitor):
         assert page.until(lambda: page.text("address") == f"file:{path}" and page.browser.find_element("id", "player").is_displayed())
     finally:
         (ROOT / path).unlink()
+
+
+def test_after_power_up_it_waits_until_a_person_starts_it(monitor):
+    page = monitor("twin:z?width=620&autostart=0")
+    assert page.until(lambda: page.text("state") == "waiting")
+    assert "waiting for a start" in page.text("reason") and page.text("auto").startswith("Start")
+    time.sleep(1)
+    assert max(map(abs, page.speeds())) == 0
+    page.keep_screenshot("monitor-waiting.png")
+    page.click("auto")
+    assert page.until(lambda: page.text("state") == "auto" and max(page.speeds()) > 100)
+    assert page.text("auto").startswith("Auto")

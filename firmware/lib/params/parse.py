@@ -13,8 +13,6 @@ from params.values import ConfigError, attribute, disorder, key_of, number, refu
 # What the loop asks for besides the live parameters
 STAY = ("servos_trims", "servos_low", "servos_high", "motors_full_speed", "battery_divider1000")
 
-_NEEDED = ("lidar.rx", "i2c.scl", "i2c.sda")  # pins without which nothing drives
-
 
 def load(path="robot.json"):
     """The values in the file. OSError if it cannot be read, ConfigError as in read()."""
@@ -118,7 +116,7 @@ def _value(config, row, value):
         return value
     if kind == "pin":
         taken = schema.USB_PINS + schema.FLASH_PINS
-        if value is None and key in _NEEDED:
+        if value is None and key in ("lidar.rx", "i2c.scl", "i2c.sda"):  # nothing drives without
             refuse(key, value, "a GPIO is needed")
         if value is not None and (type(value) is not int or not low <= value <= high or value in taken):
             refuse(key, value, "null or a GPIO %d .. %d is needed, not 1, 3 (USB) or 6 .. 11 (flash)" % (low, high))

@@ -203,8 +203,12 @@ function words() {
     name = "fault";
     reason = state.names?.faults?.[state.health.fault] || `fault ${state.health.fault}`;
   } else if (decision) {
-    reason = decision.state === "auto" ? state.names?.reasons?.[decision.why] || "" : decision.state === "manual" ? "driven by hand" : "stopped by command or button";
+    reason = state.names?.reasons?.[decision.why] || "";
   }
+  // After power-up it waits for a person.
+  const waits = name === "waiting";
+  get("auto").classList.toggle("main", waits);
+  get("auto").firstChild.data = waits ? "Start " : "Auto ";
   pill.textContent = name;
   pill.className = `pill ${name}`;
   get("reason").textContent = reason;
