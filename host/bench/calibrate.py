@@ -85,11 +85,11 @@ def fit(named, calls):
         best, price = np.inf, np.zeros(3)
         for used in _SUBSETS:
             found, *_ = np.linalg.lstsq(everything[:, used], wanted, rcond=None)
-            reckoned = everything[:, used] @ found
-            off = float(((reckoned - wanted) ** 2).sum())
-            if found.min() >= 0 and reckoned.sum() > 0 and off < best * 0.999:
+            billed = everything[:, used] @ found
+            off = float(((billed - wanted) ** 2).sum())
+            if found.min() >= 0 and billed.sum() > 0 and off < best * 0.999:
                 best, price = off, np.zeros(3)
-                price[used] = found * wanted.sum() / reckoned.sum()  # what all calls take together is to be right
+                price[used] = found * wanted.sum() / billed.sum()  # what all calls take together is to be right
         out[name] = (round(price[0]), round(price[1] * PART), round(price[2] * PART))
     return out
 

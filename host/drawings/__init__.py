@@ -1,4 +1,4 @@
-"""The drawings of docs/planner.md: what the planner knows and does at moments of a real run. `python -m host.drawings` makes them anew.
+"""The drawings of docs/planner.md: what the planner knows and does at moments of a real run. `python -m host.drawings` makes them again.
 
 The same sources give the same files. A run is driven once and kept in build/bench; drawing takes seconds.
 """

@@ -89,7 +89,7 @@ def _picture(name, words, made):
 _HEAD = """# Results
 
 The experiments of the papers, run in the digital twin with the robot's own firmware under MicroPython; all figures and tables below come from
-one campaign: {made}. `make experiments` makes them anew; `sources` is the hash of the firmware, the planners it is compared with and the twin.
+one campaign: {made}. `make experiments` makes them again; `sources` is the hash of the firmware, the planners it is compared with and the twin.
 Nothing here was measured on hardware. The two pictures that say most are the first two."""
 
 _RATES = """How often the Z course is passed without touching anything, over its width. *aws* and *naws* are this robot with all wheels steered and with

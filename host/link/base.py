@@ -96,7 +96,7 @@ class Link:
         self._command(protocol.POINT, lambda counter: messages.point(counter, wheel, angle))
 
     def restart(self) -> None:
-        """Start the robot anew; it refuses unless it stands. It is a new session then, with what was tuned gone unless it was kept."""
+        """Restart the robot; it refuses unless it stands. It is a new session then, with what was tuned gone unless it was kept."""
         self._command(protocol.RESTART, messages.plain)
 
     def greet(self, names: bool = True) -> None:
@@ -162,7 +162,7 @@ class Link:
 
     def _greeted(self, hello: dict) -> None:
         if hello["session"] != self.robot.get("session"):
-            self._sequence_in = None  # it has restarted, and counts anew
+            self._sequence_in = None  # it has restarted, and counts from the start
         self.robot = hello
 
     def _stray(self, byte: int) -> None:

@@ -33,7 +33,7 @@ class RadioLink(Link):
     The robot is greeted once a second, each time with a new nonce; its HELLO in answer tells its session, its counter and its board, and proves
     with a tag over the nonce that it is no other's and no old one. The key is the one kept when that board was flashed
     (`host.boards.places.key_path`). Until such a hello has come, commands are not sent; without the key they never are. The counter is the
-    session's: in a new one it begins anew. A stop that was the last order of a session is given again in the next.
+    session's: in a new one it starts again. A stop that was the last order of a session is given again in the next.
 
     key: overrides the one that was kept. forged: hellos that prove nothing, though there is a key for their board.
     """

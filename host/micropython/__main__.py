@@ -6,6 +6,8 @@
 import argparse
 import sys
 
+from host.version import add_version
+
 from . import debian, ports
 
 
@@ -13,6 +15,7 @@ def main(arguments=None):
     """Exit code: 0 there is a MicroPython to use, 1 not, or with --required not the 32-bit one."""
     parser = argparse.ArgumentParser(prog="python -m host.micropython", description="Fetch the MicroPython with the board's word size.")
     parser.add_argument("--required", action="store_true", help="fail where it cannot be had, instead of falling back to the 64-bit port")
+    add_version(parser)
     options = parser.parse_args(arguments)
     try:
         if not (ports.HOME.is_dir() and ports.ask(ports.command32(ports.HOME))):

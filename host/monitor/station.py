@@ -255,7 +255,7 @@ class Station:
         return where
 
     def _restarted(self, link: Link) -> None:
-        """The robot has started anew, which is no error: its parameters may be others now."""
+        """The robot has restarted, which is no error: its parameters may be others now."""
         with self._lock:
             self._parameters.clear()
         threading.Thread(target=self._ask, args=(link,), daemon=True).start()

@@ -67,7 +67,7 @@ class Process:
     def restart(self):
         """Instead of an answer to a RESET: the board starts again, with the files that it has; the next request comes from its new life.
 
-        The chip's clock begins anew, except after a soft reset.
+        The chip's clock begins again, except after a soft reset.
         """
         now, cause = self._request.now + BOOT_US, self._request.address
         self._child.stop()

@@ -31,7 +31,7 @@ class Commands:
 
     state           STOPPED, AUTO or MANUAL; af, ar (0.1 deg), v (0..180) count in MANUAL
     greeted         True when HELLO and NAMES are wanted; listing: number of the next PARAMETER wanted, or -1. Whoever sends them resets these
-    restarting      True when the robot is to start anew
+    restarting      True when the robot is to restart
     changed         what has been tuned, see Settings
     counter         of the last signed command; refused: counts commands that were not obeyed
     replies         [(counter, type, status, text as bytes)] to the last commands, not sent yet

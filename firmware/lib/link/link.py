@@ -8,7 +8,7 @@
 robot has
     avoid, drive, odometry, lidar, health     as in docs/architecture.md
     took_us                          computing time that went into the latest decision
-    off()                            before it starts anew
+    off()                            before it restarts
 
 One message is under way at a time. What is told again and again tells the latest when its turn comes, and what was passed over is counted in
 `dropped`; what is told once waits. A long message is put together in one call, sealed in another in which nothing comes in, and sent in a third:

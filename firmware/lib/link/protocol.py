@@ -52,7 +52,7 @@ Laptop to robot; each payload begins with a counter u32
     46 POINT       wheel u8 (2(i-1)+(j-1)), angle i16: turn this wheel alone while the robot stands; its trim is the parameter servos.trims.WHEEL
     47 GREET       what u8: bit 0 send HELLO and NAMES; then 8 random bytes, the nonce (may be left out). Over UDP the robot sends to whom it last heard a valid command from, for 3 s;
                    a GREET without a right tag is answered with a HELLO, which tells the session a tag needs
-    48 RESTART     start anew, as after a reset; refused unless the robot stands
+    48 RESTART     restart, as after a reset; refused unless the robot stands
 
 Commands over UDP end with a tag of 8 bytes: the first 8 bytes of HMAC-SHA256 under the robot's key, see `auth`. Over USB there is none:
 whoever holds the cable can also press reset.

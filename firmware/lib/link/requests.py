@@ -1,4 +1,4 @@
-"""Commands that are given now and then: change a parameter, keep, list, point a wheel, start anew. Loaded when the first comes, let go after."""
+"""Commands that are given now and then: change a parameter, keep, list, point a wheel, restart. Loaded when the first comes, let go after."""
 
 import json
 import struct
@@ -69,7 +69,7 @@ def _tune(settings, text):
 
 
 def restart(robot):
-    """Start anew; nothing must turn meanwhile. Does not return on the board."""
+    """Restart; nothing must turn meanwhile. Does not return on the board."""
     import machine
 
     robot.off()

@@ -20,7 +20,7 @@ def load(path="robot.json"):
         try:
             text = file.read()
         except UnicodeError:
-            raise ConfigError("robot.json is not text in UTF-8: write it anew, or save it as UTF-8")
+            raise ConfigError("robot.json is not text in UTF-8: write it again, or save it as UTF-8")
     return read(text)
 
 

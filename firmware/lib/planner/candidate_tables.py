@@ -128,7 +128,7 @@ def _arc(draft, k):
     ref = _reference(draft, xc, yc)
     c = draft.consts
     b = k * _STRIDE
-    # The tests reckon from the centre in whole mm, so the rings do.
+    # The checks count from the centre in whole mm, so the rings do.
     c[b + _XC] = round(xc) + _BIAS
     c[b + _YC] = round(yc) + _BIAS
     turn_mm = int(2 * pi * ref)

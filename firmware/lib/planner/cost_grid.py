@@ -36,7 +36,7 @@ def fill(words: ptr16, n: int, value: int):
 
 @micropython.viper
 def cover(job: ptr32, first: int, revisit: ptr8, trail: ptr16, last: int):
-    """Make the places within the radius of each point first..last-1 of the trail more expensive, each time anew."""
+    """Make the places within the radius of each point first..last-1 of the trail more expensive, each time it is called."""
     cell = job[_CELL]
     radius = job[_RADIUS]
     half = cell >> 1

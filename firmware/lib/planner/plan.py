@@ -16,7 +16,7 @@ class Plan:
     af, ar, v               0.1 deg; speed 0..180, 90 stands
     free                    mm that the points leave it
     limit                   mm to drive on it at most
-    moves                   of a plan: 0 there is none, the steering is decided anew all the time; 1 in the first move; 2 in the second
+    moves                   of a plan: 0 there is none, the steering is decided again all the time; 1 in the first move; 2 in the second
     why                     planner/reasons.py
     """
 

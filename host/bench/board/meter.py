@@ -1,4 +1,4 @@
-"""Counts what each method that the twin charges for executes, and what the charge reckons with; see host/twin/board/charge.py.
+"""Counts what each method that the twin charges for executes, and what the charge assumes; see host/twin/board/charge.py.
 
 A row of i32: number of the method, instructions of its own, its two counts of work, number of the charged method that the loop had called, time
 that passed in it on the board's clock, us (of which there is only what the I2C bus takes).

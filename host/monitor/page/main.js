@@ -65,7 +65,7 @@ const HEAR = {
   hello(message) {
     document.title = `${message.robot} – Gapseeker`;
     if (message.session === session) return;
-    // Another robot, or the same one started anew: it knows nothing of what this page wants.
+    // Another robot, or the same one restarted: it knows nothing of what this page wants.
     if (session) tune.clear();
     session = message.session;
     watch();

@@ -23,7 +23,7 @@ export class Tune {
     this.notice.hidden = true;
   }
 
-  // Keep what was changed, if wanted, then start the robot anew; it must stand for that.
+  // Keep what was changed, if wanted, then restart the robot; it must stand for that.
   restart(keep) {
     this.send({ do: "drive", what: "stop" });
     this.restarting = keep;
