@@ -346,6 +346,24 @@ def test_the_stop_button_is_told_once_and_refuses_to_let_it_drive():
     assert reply_to(link, line, robot, drive(6, protocol.AUTO))[0] == protocol.OK and link.state == protocol.AUTO
 
 
+def test_one_hand_at_a_time():
+    link, line, robot = make()
+    other = Line(False)
+    carriers = link._carriers
+    carriers.append(other)
+    line.receive(drive(1, protocol.MANUAL, 0, 0, 120))
+    link.update(0, robot)
+    other.receive(drive(2, protocol.MANUAL, 0, 0, 60))
+    link.update(100_000, robot)
+    assert link.v == 120 and link.refused == 1
+    other.receive(drive(3, protocol.STOPPED))  # which anybody may
+    link.update(200_000, robot)
+    assert link.state == protocol.STOPPED
+    other.receive(drive(4, protocol.MANUAL, 0, 0, 60))
+    link.update(500_000, robot)
+    assert link.state == protocol.MANUAL and link.v == 60
+
+
 def reply_to(link, line, robot, data):
     """(status, text) of the reply to a command."""
     line.receive(data)

@@ -22,7 +22,7 @@ def set_up_link(self, config, identity, encoder, carriers, session, safety, sign
     self.greeted = self.restarting = False
     self.listing = -1
     self.replies = []
-    self._heard_us = None
+    self._heard_us = self._hand = None
     self._identity = identity
     self._encoder = encoder
     self._carriers = carriers

@@ -77,7 +77,7 @@ class Commands:
             self.counter = counter
         status = _OK
         try:
-            text = self._carry_out(kind, payload, now_us, robot)
+            text = self._carry_out(line, kind, payload, now_us, robot)
         except ValueError as error:
             status, text = _REFUSED, str(error)
         except MemoryError:
@@ -93,10 +93,10 @@ class Commands:
         covered = memoryview(data)
         return self.signer.signed(self.session, covered[_VERSION_AT:end], covered[end : end + _TAG])
 
-    def _carry_out(self, kind, payload, now_us, robot):
+    def _carry_out(self, line, kind, payload, now_us, robot):
         """Returns the text of the reply."""
         if kind == _DRIVE:
-            if len(payload) < 10 or not self._drive(now_us, *struct.unpack_from("<BhhB", payload, 4)):
+            if len(payload) < 10 or not self._drive(line, now_us, *struct.unpack_from("<BhhB", payload, 4)):
                 self.rare(now_us, robot).refuse_to_drive(payload)
         elif kind == _WATCH:
             self.watch(payload[4] if len(payload) > 4 else 0, robot)
@@ -109,19 +109,22 @@ class Commands:
             self.greeted = True
         return ""
 
-    def _drive(self, now_us, what, af, ar, v):
+    def _drive(self, line, now_us, what, af, ar, v):
         """False if it cannot be."""
         if what == STOPPED:
             self.stop()
         elif what == AUTO:
             return self.drive_itself()
         elif what == MANUAL and -900 <= af <= 900 and -900 <= ar <= 900 and v <= 180:
+            if self.state == MANUAL and self._hand is not line:
+                return False  # one hand at a time: until it has let go
             silence = _SILENCE_US + 1 if self._heard_us is None else ticks_diff(now_us, self._heard_us)
             self._heard_us = now_us
             if self.state == STOPPED and silence <= _SILENCE_US:
                 return False  # stopped by somebody else, or by its button, under a hand that has not noticed yet
             if not self.safety.start(what):
                 return False
+            self._hand = line
             self.af = af
             self.ar = ar
             self.v = v

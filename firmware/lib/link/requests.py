@@ -53,7 +53,7 @@ def refuse_to_drive(payload):
     if what != _MANUAL:
         raise ValueError("drive %d: 0 stop, 1 auto, 2 manual" % what)
     if -900 <= af <= 900 and -900 <= ar <= 900 and v <= 180:
-        raise ValueError("stopped: let go for a moment, also of the stop button, then drive on")
+        raise ValueError("stopped, or somebody else drives it: let go for a moment, also of the stop button, then drive on")
     raise ValueError("AF %d, AR %d (0.1 deg, up to 900 either way), V %d (0 to 180)" % (af, ar, v))
 
 
