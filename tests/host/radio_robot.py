@@ -55,6 +55,10 @@ class Drive(Part):
         pass
 
 
+class Watchdog:
+    feed = bool
+
+
 class Safety:
     state = 1
     fault = 0
@@ -72,6 +76,7 @@ class Safety:
 class Robot:
     avoid = odometry = lidar = health = Part
     safety = Safety
+    watchdog = Watchdog
     drive = Drive
     took_us = 0
 

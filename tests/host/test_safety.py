@@ -145,3 +145,8 @@ def test_a_hand_does_not_drive_it_into_a_wall_and_can_back_out(v):
     bench = Touches(*_hand(3, 12, v), *_hand(12, 13, 70, 200))
     run(**COURSE, watch=bench, changes={"drive.autostart": False}, limit_s=14)
     assert bench.touches == 0 and bench.drove(12.2, 13.3) and bench.y < there - 50
+
+
+def test_a_broken_robot_json_is_refused_and_the_last_good_one_offered():
+    bench = drive(autostart=True, fault="oe-open-json@3", limit_s=5)
+    assert b"cannot start: robot.json is not JSON" in bench.said and b"robot.json.good" in bench.said

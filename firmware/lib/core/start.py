@@ -12,6 +12,8 @@ from core.unload import unload
 
 _POWER_ON = const(1)  # of machine.reset_cause()
 _WDT_RESET = const(3)
+_GOOD = const(".good")
+_BLOCK = const(64)
 
 # What holds machine code, and stays: each with what it imports.
 _MACHINE_CODE = ("link.telemetry", "actuation.drive", "lidar", "avoid")
@@ -29,7 +31,10 @@ def build(note=None, path="robot.json"):
         robot = _build(path, note)
     except (ValueError, OSError) as error:
         print("gapseeker: cannot start:", error)
+        if _same(path + _GOOD, path + _GOOD):
+            print("gapseeker: the file of the last good start is kept as %s: copy it over %s to go back" % (path + _GOOD, path))
         raise
+    _keep(path)
     unload("core.start", "safety.first")
     gc.threshold(-1)  # from now on the loop allocates nothing
     robot.watchdog.begin()
@@ -62,6 +67,34 @@ def _build(path, note):
     robot = _robot(config, avoid, lidar, drive, safety, health, watchdog, link, screen_line)
     config.once = None
     return robot
+
+
+def _keep(path):
+    """Copy the robot.json by which the robot could be built, where it is another than before."""
+    if _same(path, path + _GOOD):
+        return
+    block = bytearray(_BLOCK)
+    try:
+        with open(path, "rb") as source, open(path + _GOOD, "wb") as target:
+            while count := source.readinto(block):
+                target.write(memoryview(block)[:count])
+    except OSError:
+        pass  # a full disk keeps nobody from driving
+
+
+def _same(one, other):
+    """True if there are both files, and they are equal."""
+    first, second = bytearray(_BLOCK), bytearray(_BLOCK)
+    try:
+        with open(one, "rb") as a, open(other, "rb") as b:
+            count = 1
+            while count:
+                count = a.readinto(first)
+                if b.readinto(second) != count or first != second:
+                    return False
+    except OSError:
+        return False
+    return True
 
 
 def _load(path):
