@@ -32,7 +32,7 @@ class Avoid:
 
         build(self, config)
         del build
-        unload("planner.build")
+        unload("planner.build", "planner.parts")
         self.configure()
 
     def configure(self):

@@ -5,7 +5,6 @@ from time import ticks_diff, ticks_us
 from micropython import const
 
 from link import telemetry
-from perception.odometry import Odometry
 
 _STOPPED = const(12)  # reasons.STOPPED
 _FAULT = const(13)  # reasons.FAULT
@@ -30,23 +29,9 @@ class Robot:
     """
 
     def __init__(self, config, avoid, lidar, drive, safety, health, watchdog, link=None, screen=None):
-        self.config = config
-        self.avoid = avoid
-        self.lidar = lidar
-        self.drive = drive
-        self.safety = safety
-        self.health = health
-        self.watchdog = watchdog
-        self.link = link
-        self.screen = screen
-        self.odometry = Odometry(config)
-        self.trust = safety.trust
-        self.motion = safety.motion
-        self.took_us = 0
-        self._slices_us = 0
-        self._slices = 0  # of the decision, still to be made before the next frame
-        self._owed = False  # one of them at least
-        self._by_hand = 0  # how far V may lie from 90 by the last frame
+        from safety.build import robot
+
+        robot(self, config, avoid, lidar, drive, safety, health, watchdog, link, screen)
 
     def step(self):
         """Once round. Returns True if a lidar frame was taken in.

@@ -193,4 +193,6 @@ def _robot(config, avoid, lidar, drive, safety, health, watchdog, link, screen_l
 
         screen = Screen(screen_line, config.screen_kind, config.screen_baud)
         unload("link.reason_texts", "link.screen_dialects")
-    return Robot(config, avoid, lidar, drive, safety, health, watchdog, link, screen)
+    robot = Robot(config, avoid, lidar, drive, safety, health, watchdog, link, screen)
+    unload("safety.build")
+    return robot

@@ -40,7 +40,7 @@ class Candidates:
     """
 
     def __init__(self, config):
-        from planner.build import candidates
+        from planner.parts import candidates
 
         candidates(self, config)
 

@@ -393,7 +393,7 @@ class CollisionCheck:
     """The tests of the candidates of some Candidates: prepare() for the points, then check() candidates."""
 
     def __init__(self, candidates):
-        from planner.build import collision
+        from planner.parts import collision
 
         collision(self, candidates)
 

@@ -122,7 +122,7 @@ class CostToGo:
     """
 
     def __init__(self, config):
-        from planner.build import cost_to_go
+        from planner.parts import cost_to_go
 
         cost_to_go(self, config)
 

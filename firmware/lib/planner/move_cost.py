@@ -184,7 +184,7 @@ class MoveCost:
     """
 
     def __init__(self, cost_to_go, candidates):
-        from planner.build import move_cost
+        from planner.parts import move_cost
 
         move_cost(self, cost_to_go, candidates)
 
