@@ -26,7 +26,7 @@ def _attributes(config):
 
 
 def test_an_empty_file_is_the_robot_of_the_papers():
-    config = Config(read("{}"))
+    config = Config({})
     assert config.axles == 5 and config.axles_spacings == (115, 150, 117, 115) and config.axles_first == 248.5
     assert (config.robot_length, config.robot_width, config.axles_track) == (600, 250, 230)
     assert (config.servos_address, config.motors_left, config.motors_right) == (0x40, 0x41, 0x42)
@@ -199,3 +199,26 @@ def test_a_file_that_is_no_text_is_refused_as_such():
         assert "UTF-8" in str(error)
     finally:
         os.remove("not-text.json")
+
+
+def test_what_no_robot_json_may_be():
+    from params.parse import read
+
+    for text, word in (("null", "object"), ("{}", "object"), ("[]", "object"), ("5", "object"),
+                       ('{"lidar": {"near": 200, "near" : 300}}', '"near" twice'), ('{"robot": {}, "lidar": {"x": 1}, "robot": {}}', '"robot" twice')):  # fmt: skip
+        try:
+            read(text)
+            assert False, text
+        except ValueError as error:
+            assert word in str(error), error
+    assert (
+        read('{"robot": {"length": 600}, "lidar": {"near": 200, "x": 1}, "axles": {"spacings": [100]}, "wifi": {"ssid": "a\\"{:"}}')["wifi"]["ssid"] == 'a"{:'
+    )
+
+
+def test_a_group_where_a_choice_is_needed():
+    try:
+        Config({"mode": {}})
+        assert False
+    except ValueError as error:
+        assert "mode" in str(error)

@@ -5,10 +5,15 @@ Needed at the start only. Keys are texts that go with it; names, as of functions
 
 import io
 import json
+import os
 from array import array
+
+from micropython import const
 
 from params import schema
 from params.values import ConfigError, attribute, disorder, key_of, number, refuse
+
+_LARGEST = const(16384)
 
 # What the loop asks for besides the live parameters
 STAY = ("servos_trims", "servos_low", "servos_high", "motors_full_speed", "battery_divider1000")
@@ -16,6 +21,8 @@ STAY = ("servos_trims", "servos_low", "servos_high", "motors_full_speed", "batte
 
 def load(path="robot.json"):
     """The values in the file. OSError if it cannot be read, ConfigError as in read()."""
+    if os.stat(path)[6] > _LARGEST:
+        raise ConfigError("robot.json is larger than %d bytes: no settings need so many" % _LARGEST)
     with open(path) as file:
         try:
             text = file.read()
@@ -28,11 +35,45 @@ def read(text):
     """The values in the text of robot.json, nested dicts. ConfigError, with the line, where it is not JSON."""
     stream = io.StringIO(text)
     try:
-        return json.load(stream)
+        values = json.load(stream)
     except (ValueError, RuntimeError) as error:  # RuntimeError: nested too deep
         # CPython counts the lines, MicroPython leaves the stream where it stopped reading.
         line = getattr(error, "lineno", 0) or 1 + text[: max(stream.tell() - 1, 0)].count("\n")
         raise ConfigError("robot.json is not JSON: look for a missing comma, quote or bracket in line %d or just before" % line)
+    if type(values) is not dict or not values:
+        raise ConfigError("robot.json must hold one object, { ... }, with settings in it")
+    key = _doubled(text)
+    if key:
+        raise ConfigError("robot.json has %s twice: which is meant? Take one out" % key)
+    return values
+
+
+def _doubled(text):
+    """The first key that an object of the JSON has twice, or None: json takes the last of them without a word."""
+    objects = []  # the keys of each that has begun
+    at = 0
+    while True:
+        start = text.find('"', at)
+        between = text[at:] if start < 0 else text[at:start]
+        for bracket in between:
+            if bracket in "{[":
+                objects.append([])
+            elif bracket in "}]":
+                objects.pop()
+        if start < 0:
+            return None
+        at = start + 1
+        while text[at] != '"':
+            at += 2 if text[at] == "\\" else 1
+        at += 1
+        after = at
+        while text[after : after + 1] in (" ", "\n", "\r", "\t"):
+            after += 1
+        if text[after : after + 1] == ":":
+            key = text[start:at]
+            if key in objects[-1]:
+                return key
+            objects[-1].append(key)
 
 
 def fill(config, values):
@@ -193,7 +234,7 @@ def _flat(values):
         raise ConfigError("robot.json must hold one object, { ... }")
     flat = {}
     for group, content in values.items():
-        if type(content) is dict:
+        if type(content) is dict and (content or group != "mode"):
             for key, value in content.items():
                 flat["%s.%s" % (group, key)] = value
         else:
