@@ -79,9 +79,7 @@ class Robot:
             if link is not None:
                 link.frame(lidar)
             if trust is not None:
-                # In this order: the second puts what is unknown into the frame.
-                self.motion.frame(lidar, odometry, drive.told_v256, not trust.fault)
-                trust.frame(lidar, odometry, drive.told_v256, self.motion.way)
+                trust.frame(lidar, odometry, drive.told_v256)
             avoid.frame(lidar, odometry)
             seen = True
         safety = self.safety

@@ -1,32 +1,38 @@
-"""perception/motion_check.py: a robot in a room, whose wheels do as they are told, and which moves so or otherwise."""
+"""perception/scan_trust.py, the motion: a robot in a room, whose wheels do as they are told, and which moves so or otherwise."""
 
 from array import array
 from math import cos, pi, sin
 
-from perception.motion_check import MotionCheck
+from perception.scan_trust import ScanTrust
 
 FRAMES = 16
 BEAMS = 38
 PERIOD_S = 0.00947
-NOTHING, WRONG_WAY, HALF = 13, 14, 15
+SCAN, NOTHING, WRONG_WAY, HALF = 12, 13, 14, 15
 ROOM = -900.0, 1000.0, -1200.0, 1500.0  # left, right, behind, ahead
 
 
 class Config:
+    lidar_returns = 20
+    lidar_near = 200
+    lidar_far = 8000
     lidar_frames = FRAMES
+    robot_length = 600
     lidar_x = 0
     lidar_y = 0
     lidar_mirrored = False
 
 
 class Odometry:
-    x = y = heading = 0
+    x = y = heading = travel256 = 0
 
 
 class Lidar:
     def __init__(self):
         self.place = FRAMES - 1
         self.n = BEAMS
+        self.frame_us = 0
+        self.period_us = int(PERIOD_S * 1e6)
         self.bearings = array("H", bytes(160))
         self.distances = array("H", bytes(160))
 
@@ -50,7 +56,7 @@ class Drive:
         self.config = config = Config()
         for name in changes:
             setattr(config, name, changes[name])
-        self.check = MotionCheck(config)
+        self.check = ScanTrust(config)
         self.lidar = Lidar()
         self.odometry = Odometry()
         self.told = self.true = 0.0, 0.0, 0.0  # x, y, heading in radians
@@ -65,7 +71,7 @@ class Drive:
         self.random = (self.random * 75 + 74) % 65537
         return self.random % (2 * most + 1) - most
 
-    def frame(self, trusted=True):
+    def frame(self, heard=True):
         x, y, heading = self.told
         self.told = self._moved(self.told, 1.0, 1.0)
         self.true = self._moved(self.true, self.share, self.turned)
@@ -75,6 +81,7 @@ class Drive:
         odometry.y = int(y * 256)
         odometry.heading = int(heading * 180000 / pi) % 360000
         lidar = self.lidar
+        lidar.frame_us += lidar.period_us
         lidar.place = place = (lidar.place + 1) % FRAMES
         x, y, heading = self.true
         config = self.config
@@ -88,7 +95,8 @@ class Drive:
             far = range_to(self.walls, x, y, heading + 2 * pi * turn) if place >= self.people else 700 + self.waver(150)
             lidar.distances[i] = min(int(4 * far) + self.waver(16), 65535)
         v256 = 256 if self.speed > 0 else -256 if self.speed < 0 or self.turn else 0
-        self.check.frame(lidar, odometry, v256, trusted)
+        if heard:
+            self.check.frame(lidar, odometry, v256)
 
     def _moved(self, pose, share, turned):
         x, y, heading = pose
@@ -97,6 +105,8 @@ class Drive:
 
     def go(self, seconds):
         """Seconds until there was a fault, None if there was none."""
+        while self.check.fault == SCAN:  # until it is trusted
+            self.frame()
         frames = int(seconds / PERIOD_S)
         for i in range(frames):
             self.frame()
@@ -168,27 +178,35 @@ def test_standing_says_nothing():
     assert drive.go(2.5) is None
 
 
+def blocked(drive):
+    """Whether the way ahead is taken for blocked: 60 mm before the body."""
+    drive.frame()
+    while drive.lidar.place:
+        drive.frame()
+    return max(drive.lidar.distances[:BEAMS]) == 4 * 360
+
+
 def test_it_tries_once_and_then_gives_up():
     drive = Drive()
     drive.go(1.0)
     drive.share = 0.0
     assert drive.go(1.5) is not None
     check = drive.check
-    assert (check.fault, check.alarm, check.way) == (NOTHING, False, 1)
+    assert (check.fault, check.alarm) == (NOTHING, False)
     frames = 0
     while check.fault:
         drive.frame()
         frames += 1
     assert 0.5 < frames * PERIOD_S < 0.7
-    assert check.way == 1, "so that it backs out"
+    assert blocked(drive), "so that it backs out"
     drive.speed = -200.0
     assert drive.go(1.5) is not None
-    assert (check.fault, check.alarm, check.way) == (NOTHING, True, 2)
+    assert (check.fault, check.alarm) == (NOTHING, True)
     for _ in range(400):
         drive.frame()
     assert check.fault == NOTHING, "until a person comes"
     check.clear()
-    assert (check.fault, check.alarm, check.way) == (0, False, 0)
+    assert (check.fault, check.alarm) == (SCAN, False)
 
 
 def test_backed_out_it_goes_on():
@@ -200,12 +218,16 @@ def test_backed_out_it_goes_on():
     drive.speed = -100.0
     for _ in range(400):
         drive.frame()
-    assert (drive.check.fault, drive.check.way) == (0, 0)
+    assert drive.check.fault == 0 and not blocked(drive)
 
 
 def test_after_a_gap_it_begins_anew():
     drive = Drive()
     drive.go(1.0)
-    drive.frame(False)
+    for _ in range(5):
+        drive.frame(False)
     drive.true = 200.0, 0.0, 0.5  # carried elsewhere meanwhile
+    for _ in range(2 * FRAMES):
+        drive.frame()
+        assert drive.check.fault in (0, SCAN)
     assert drive.go(1.5) is None

@@ -14,13 +14,14 @@ class Config:
     lidar_returns = 20
     lidar_near = 200
     lidar_far = 8000
-    lidar_y = 0
+    lidar_x = lidar_y = 0
+    lidar_mirrored = False
     robot_length = 600
     lidar_frames = FRAMES
 
 
 class Odometry:
-    travel256 = 0
+    travel256 = x = y = heading = 0
 
 
 class Lidar:

@@ -146,13 +146,11 @@ def _lidar(config, line, motor):
 
 
 def _trust(config):
-    from perception.motion_check import MotionCheck
     from perception.scan_trust import ScanTrust
 
     trust = ScanTrust(config)
-    motion = MotionCheck(config)
     unload("perception.build")
-    return trust, motion
+    return trust
 
 
 def _safety(config, lidar, drive, button, adc, note):
@@ -178,8 +176,7 @@ def _safety(config, lidar, drive, button, adc, note):
     if button is not None:
         button = StopButton(button, once["pins_stop_closed"])
     health = Health(drive, adc, config)
-    trust, motion = _trust(config)
-    safety = Safety(lidar, drive, health, button, trust, not stands, hung, motion)
+    safety = Safety(lidar, drive, health, button, _trust(config), not stands, hung)
     return safety, health, Watchdog(machine), remarks
 
 

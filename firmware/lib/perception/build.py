@@ -1,4 +1,4 @@
-"""What the constructors of lidar, scan trust, motion check, map and windows do. Needed once, at the start: then its memory is the robot's."""
+"""What the constructors of lidar, scan trust, map and windows do. Needed once, at the start: then its memory is the robot's."""
 
 from array import array
 
@@ -12,8 +12,8 @@ _CAPACITY = const(320)  # local_map.py
 _HASH = const(512)
 _MOST_GONE = const(16)
 _KEPT = const(240)
-_ROW = const(7)  # scan_trust.py
-_BINS = const(4)  # motion_check.py
+_ROW = const(10)  # scan_trust.py
+_BINS = const(4)  # scan_trust.py
 _CLEAR = const(60)  # mm from the outline: the border of what is unknown comes no nearer, or there would be no way out
 
 
@@ -42,23 +42,19 @@ def lidar(self, uart, motor_pwm, config):
 
 def scan_trust(self, config):
     """Fields of a ScanTrust."""
-    self._rows = array("H", bytes(2 * _ROW * config.lidar_frames))
+    size = _ROW * config.lidar_frames
+    turn = _BINS * config.lidar_frames
+    self._rows = array("H", bytes(2 * (size + 2 * turn)))
     half = config.robot_length // 2 + _CLEAR
-    # In the order of the places in scan_trust.py
+    # Both in the order of the places in scan_trust.py
+    self._found = array("i", (4 * config.lidar_near, 4 * config.lidar_far, 0, 0, 0))
     self._state = array(
         "i",
-        (4 * config.lidar_near, 4 * config.lidar_far, 0, 0, 0, config.lidar_returns, 0, 0, 0, 0, 0)
-        + (max(half - config.lidar_y, 0), max(half + config.lidar_y, 0), config.lidar_frames, 0, 0),
+        (config.lidar_returns, size, -turn if config.lidar_mirrored else turn, config.lidar_x, config.lidar_y)
+        + (max(half - config.lidar_y, 0), max(half + config.lidar_y, 0), config.lidar_frames)
+        + (0, 0, 0, 0, 0, 0, size)
+        + (0,) * 8,
     )
-
-
-def motion_check(self, config):
-    """Fields of a MotionCheck."""
-    turn = _BINS * config.lidar_frames
-    self._bins = array("H", bytes(2 * 3 * turn))  # of two revolutions, then x, y and heading at each place, of as many words
-    # In the order of the places in motion_check.py
-    self._state = array("i", (0, 0, 0, 0, 0, 0, 0, 0, turn, config.lidar_x, config.lidar_y, -1 if config.lidar_mirrored else 1))
-    self._seen = False
 
 
 def local_map(self, config):

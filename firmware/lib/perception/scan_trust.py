@@ -1,4 +1,4 @@
-"""Can the scan be trusted? A lidar that answers may still see nothing: its cover is on, it repeats itself, a part of its turn never comes.
+"""Can the scan be trusted, and does it follow the motion? A lidar that answers may see nothing; a robot that is held believes its wheels.
 
 The lidar's revolution is a ring of places, one for each frame. Trust is earned: it takes a whole revolution in which
 
@@ -11,20 +11,50 @@ last is put into the frame as if something stood there: the planner keeps off it
 shrinks by all that the wheels have rolled since, turns included. Near the border the robot is slow (`most`).
 
 With lidar.returns = 0, for open halls, what does not return is taken for free. Glass that is seen through cannot be seen.
+
+Motion: each place is cut into four bins, and the range of each, of two of its beams, is compared with that of a revolution before. How it should
+have changed is told by the odometry (range flow):
+
+    expected = range that lay in that direction, as the body has turned  -  range in this bin before
+               - what the lidar came nearer in the bin's direction  +  the surface's slope * what it went across / range
+
+    bin j before  ___.          a wall; the lidar moves on by d: it is nearer by d along the bin's beam, and looks at
+                      \\___.     a place farther on, where the wall slopes
+    bin j now         o---->
+
+Bins are weighed by the square of what is expected: beside a parallel wall nothing is, and nothing is said. Those agree that changed as expected,
+a quarter more or less. People who walk about spoil some bins; a robot that does not move as told spoils nearly all. The ratio, of the sum of
+observed * expected to the weight, is 1 where the robot moves as told, 1/2 at half the speed, 0 where nothing moves, and negative where it goes
+the wrong way. It is a fault when less than half the weight agrees and the ratio is low over a second or so; its kind is what the last revolution
+shows. The first time the robot stands for a moment, and then the way it was going is taken for blocked for some seconds, so that the planner backs
+out. The next time soon after, `alarm` says that it is of no use.
 """
 
 import micropython
 from micropython import const
 
-_SCAN = const(12)  # safety/faults.py
+from core.trig import cos14, sin14
+
+# safety/faults.py
+_SCAN = const(12)
+_NOTHING = const(13)
+_WRONG_WAY = const(14)
+_HALF = const(15)
+
 _SLOW = const(6)  # V - 90
 _ANY = const(90)
 _LONGEST = const(76)  # in 4096 us: 1.25 revolutions at 4 r/s
 _CONE = const(375)  # 0.1 deg to either side of straight ahead or back: there the blind disc hides nothing but the body
-
 _NEAR_BORDER = const(400)  # mm before the border the robot gets slow
 
-# Layout of the rows, one for each place
+_BINS = const(4)  # of a place
+_JUMP = const(200)  # mm: more is another surface
+_INFORMED = const(4000)  # mm**2, weight from which on something can be told
+_STAND = const(60)  # frames
+_BACK = const(360)  # frames since a fault for which the way is taken for blocked
+_FORGET = const(2000)  # and after which it may try again
+
+# Layout of the rows, one for each place; behind them the bins of two revolutions, in turn
 _HEARD = const(0)  # 4096 us modulo 2**16
 _BEAMS = const(1)
 _RETURNS = const(2)
@@ -32,28 +62,44 @@ _SUM = const(3)  # of the distances, modulo 2**16
 _RANGE = const(4)  # when enough returned last: the farthest, mm; 0: never
 _ROLLED = const(5)  # what the wheels had rolled then, mm modulo 2**16
 _WAY = const(6)  # 1: ahead the border is near, 2: behind, else 0
-_ROW = const(7)
+_X = const(7)  # where the lidar was, quarter mm
+_Y = const(8)
+_HEADING = const(9)  # of the body, 0.1 deg
+_ROW = const(10)
 
-# Layout of the state
+# What is looked for in a frame, and found
 _NEAR = const(0)  # quarter mm, the first that counts
 _FAR = const(1)  # the first that does not
-_COUNT = const(2)  # of the frame: how many count,
+_COUNT = const(2)  # how many count,
 _TOTAL = const(3)  # their sum,
 _LARGEST = const(4)  # and the largest
-_LEAST = const(5)  # share of the beams that must come back, %
-_ALL = const(6)  # beams in the rows
-_SEEN = const(7)  # returns in the rows
-_ALIKE = const(8)  # frames in a row as they were a revolution before, * _ROW
-_GOOD = const(9)  # frames since trust was lost, up to a revolution, * _ROW
-_NEAREST = const(10)  # mm from the lidar that the border keeps: ahead at _NEAREST + 1, behind at + 2
-_WAYS = const(13)  # how many places have the border near: ahead at + 1, behind at + 2
+
+# Layout of the state
+_LEAST = const(0)  # share of the beams that must come back, %
+_SIZE = const(1)  # of the rows
+_TURN = const(2)  # bins of a revolution, negative where bearings fall from bin to bin
+_LEVER_X = const(3)  # the lidar in the body, mm
+_LEVER_Y = const(4)
+_NEAREST = const(4)  # mm from the lidar that the border keeps: ahead at _NEAREST + 1, behind at + 2
+_WAYS = const(7)  # how many places have no border near; ahead at + 1, behind at + 2
+_ALL = const(10)  # beams in the rows
+_SEEN = const(11)  # returns in the rows
+_ALIKE = const(12)  # frames in a row as they were a revolution before
+_GOOD = const(13)  # frames since trust was lost, up to two revolutions
+_NOW = const(14)  # where this revolution's bins begin
+_WEIGHT = const(15)  # of the last seconds
+_AGREED = const(16)
+_RATIO = const(17)  # sum of observed * expected
+_NEW = const(3)  # the same three of this revolution are so many places on
+_SINCE = const(21)  # frames since a fault of motion, up to _FORGET
+_BLOCKED = const(22)  # the way taken for blocked: 1 ahead, 2 behind, 0 neither
 
 
 @micropython.viper
-def _look(distances: ptr16, n: int, state: ptr32):
-    """Of the distances (quarter mm) from state[_NEAR] to below state[_FAR]: how many, their sum, the largest; none if they are all equal."""
-    near = state[_NEAR]
-    far = state[_FAR]
+def _look(distances: ptr16, n: int, found: ptr32):
+    """Of the distances (quarter mm) from found[_NEAR] to below found[_FAR]: how many, their sum, the largest; none if they are all equal."""
+    near = found[_NEAR]
+    far = found[_FAR]
     count = 0
     total = 0
     low = far
@@ -70,15 +116,16 @@ def _look(distances: ptr16, n: int, state: ptr32):
                 high = d
     if low == high:
         count = 0  # no surface is like that
-    state[_COUNT] = count
-    state[_TOTAL] = total
-    state[_LARGEST] = high
+    found[_COUNT] = count
+    found[_TOTAL] = total
+    found[_LARGEST] = high
 
 
 class ScanTrust:
-    """config: lidar_returns (%), lidar_near, lidar_far, lidar_y, robot_length (mm), lidar_frames.
+    """config: lidar_returns (%), lidar_near, lidar_far, lidar_x, lidar_y, robot_length (mm), lidar_frames, lidar_mirrored.
 
-    fault   12 while the scan cannot be trusted, else 0
+    fault   12 while the scan cannot be trusted, 13 nothing moves, 14 it goes or turns the wrong way, 15 it is too slow; else 0
+    alarm   True when it has tried to back out: the fault stays until `clear()`
     most    how far V may lie from 90
     """
 
@@ -86,45 +133,61 @@ class ScanTrust:
         from perception.build import scan_trust
 
         scan_trust(self, config)
-        self.fault = _SCAN
         self.most = _ANY
+        self.clear()
 
-    def frame(self, lidar, odometry, v256, blocked=0):
-        """Once a frame, before the map gets it. v256: what the motors are told, for its sign. blocked: 1 ahead, 2 behind, 0 neither is taken for so."""
+    def clear(self):
+        """A person wants it to drive."""
+        self.fault = _SCAN
+        self.alarm = False
+        state = self._state
+        state[_SINCE] = _FORGET
+        state[_BLOCKED] = 0
+
+    def frame(self, lidar, odometry, v256):
+        """Once a frame, before the map gets it. v256: what the motors are told, for its sign."""
         rows = self._rows
         state = self._state
-        size = len(rows)
-        n = lidar.n
+        size = state[_SIZE]
         at = lidar.place * _ROW
+        if at == 0:
+            self._judge(state, v256)
+        self._compare(lidar, odometry, rows, state)
+        n = lidar.n
         now = (lidar.frame_us >> 12) & 0xFFFF
         # Half a revolution ago the places opposite were heard of, or one and a half.
         limit = min(size // _ROW * lidar.period_us * 5 >> 14, _LONGEST)
         opposite = at + size // (2 * _ROW) * _ROW
         late = (now - rows[opposite % size]) & 0xFFFF > limit or (now - rows[(opposite + _ROW) % size]) & 0xFFFF > limit
-        _look(lidar.distances, n, state)
-        returns = state[_COUNT]
-        total = state[_TOTAL] & 0xFFFF
+        found = self._found
+        _look(lidar.distances, n, found)
+        returns = found[_COUNT]
+        total = found[_TOTAL] & 0xFFFF
         state[_ALL] += n - rows[at + _BEAMS]
         state[_SEEN] += returns - rows[at + _RETURNS]
         if returns:
             state[_ALIKE] = state[_ALIKE] + _ROW if total == rows[at + _SUM] else 0
         rows[at] = now
         rows[at + _BEAMS] = n
-        if state[_LEAST] or blocked:
-            self._border(lidar, odometry, at, blocked)
+        self._border(lidar, odometry, rows, state, at)
         rows[at + _RETURNS] = returns
         rows[at + _SUM] = total
+        good = state[_GOOD]
         if late or not n or state[_SEEN] * 100 < state[_LEAST] * state[_ALL] or state[_ALIKE] >= size:
-            state[_GOOD] = 0
-        elif state[_GOOD] < size:
-            state[_GOOD] += _ROW
-        self.fault = 0 if state[_GOOD] >= size else _SCAN
+            good = 0
+        elif good < 2 * size:
+            good += _ROW
+        state[_GOOD] = good
+        if state[_SINCE] < _FORGET:
+            state[_SINCE] += 1
+            if state[_SINCE] == _BACK:
+                state[_BLOCKED] = 0
+        if not self.alarm and (self.fault <= _SCAN or state[_SINCE] >= _STAND):
+            self.fault = 0 if good >= size else _SCAN
         self.most = _SLOW if v256 >= 0 and state[_WAYS + 1] or v256 <= 0 and state[_WAYS + 2] else _ANY
 
-    def _border(self, lidar, odometry, at, blocked):
+    def _border(self, lidar, odometry, rows, state, at):
         """Whether the frame's place is unknown, or in the blocked way; if so, the border of what was seen free there into the frame."""
-        rows = self._rows
-        state = self._state
         n = lidar.n
         bearing = lidar.bearings[n >> 1]
         way = slow = 0
@@ -132,19 +195,21 @@ class ScanTrust:
             way = 1
         elif -_CONE <= bearing - 1800 <= _CONE:
             way = 2
-        if state[_COUNT] << 3 > n:
-            rows[at + _RANGE] = state[_LARGEST] >> 2
-            rows[at + _ROLLED] = (odometry.travel256 >> 8) & 0xFFFF
-            unknown = False
-        else:
-            unknown = state[_LEAST] and rows[at + _RETURNS] << 3 <= rows[at + _BEAMS]  # the time before was no better
-        if way and (unknown or way == blocked):
-            # The body turns: what a place looks at now, one beside it may have seen.
-            rolled = odometry.travel256 >> 8
-            size = len(rows)
+        rolled = odometry.travel256 >> 8
+        blocked = way == state[_BLOCKED]
+        if self._found[_COUNT] << 3 > n:
+            rows[at + _RANGE] = self._found[_LARGEST] >> 2
+            rows[at + _ROLLED] = rolled & 0xFFFF
+            if not blocked:
+                way = 0
+        elif not blocked and (not state[_LEAST] or rows[at + _RETURNS] << 3 > n):
+            way = 0  # it was better the time before
+        if way:
             nearest = border = state[_NEAREST + way]
+            # The body turns: what a place looks at now, one beside it may have seen.
+            size = state[_SIZE]
             k = size - _ROW
-            while way != blocked and k <= size + _ROW:
+            while k <= size + _ROW and not blocked:
                 row = (at + k) % size
                 seen = rows[row + _RANGE]
                 if seen:
@@ -155,11 +220,76 @@ class ScanTrust:
                         rows[row + _RANGE] = 0  # used up, however long the way
                 k += _ROW
             slow = way if border < nearest + _NEAR_BORDER else 0
-            border <<= 2
             distances = lidar.distances
             while n:
                 n -= 1
-                distances[n] = border
+                distances[n] = border << 2
         state[_WAYS + rows[at + _WAY]] -= 1
         state[_WAYS + slow] += 1
         rows[at + _WAY] = slow
+
+    def _judge(self, state, v256):
+        """A revolution is over: the weights of those before fade by a quarter."""
+        weight = state[_WEIGHT + _NEW]
+        ratio = state[_RATIO + _NEW] * 4
+        k = _WEIGHT
+        while k <= _RATIO:
+            state[k] += state[k + _NEW] - (state[k] >> 2)
+            state[k + _NEW] = 0
+            k += 1
+        state[_NOW] = 2 * state[_SIZE] + abs(state[_TURN]) - state[_NOW]
+        whole = state[_WEIGHT]
+        if v256 and not self.fault and whole > _INFORMED and state[_AGREED] * 2 < whole and state[_RATIO] * 10 < whole * 7:
+            self.fault = _WRONG_WAY if ratio < -weight else _NOTHING if ratio < weight else _HALF
+            self.alarm = state[_SINCE] < _FORGET
+            state[_BLOCKED] = 1 if v256 > 0 else 2
+            state[_SINCE] = state[_WEIGHT] = state[_AGREED] = state[_RATIO] = 0
+
+    def _compare(self, lidar, odometry, rows, state):
+        """The frame's bins with those of a revolution before."""
+        size = state[_SIZE]
+        turn = abs(state[_TURN])
+        now = state[_NOW]
+        before = 2 * size + turn - now
+        n = lidar.n
+        k = lidar.place * _ROW
+        # Where the lidar is, quarter mm, and its heading, 0.1 deg
+        heading = odometry.heading // 100
+        s = sin14(heading)
+        c = cos14(heading)
+        dx = (odometry.x >> 6) + ((state[_LEVER_X] * c + state[_LEVER_Y] * s) >> 12)
+        dy = (odometry.y >> 6) + ((state[_LEVER_Y] * c - state[_LEVER_X] * s) >> 12)
+        turned = ((heading - rows[k + _HEADING] + 5400) % 3600 - 1800) * state[_TURN] // 14  # in 2**-8 of a bin
+        rows[k + _HEADING] = heading
+        heading = ((dx - rows[k + _X] & 0xFFFF) ^ 0x8000) - 0x8000
+        rows[k + _X] = dx & 0xFFFF
+        dx = ((dy - rows[k + _Y] & 0xFFFF) ^ 0x8000) - 0x8000
+        rows[k + _Y] = dy & 0xFFFF
+        dy = (heading * s + dx * c) >> 14
+        dx = (heading * c - dx * s) >> 14
+        known = state[_GOOD] == 2 * size
+        k = lidar.place * _BINS
+        i = n
+        while i < 16 * n:
+            first = lidar.distances[i >> 4]
+            last = lidar.distances[(i + 2 * n) >> 4]
+            seen = (first + last) >> 3 if -first < (first - last) * 8 < first else 0  # one surface
+            rows[now + k] = seen
+            was = rows[before + k]
+            there = (k << 8) + turned
+            one = rows[before + (there >> 8) % turn]
+            slope = rows[before + ((there >> 8) + 1) % turn] - one
+            if known and seen and was and -one < slope * 6 < one:
+                there = one + (slope * (there & 255) >> 8)
+                s = lidar.bearings[(i + n) >> 4]
+                c = cos14(s)
+                s = sin14(s)
+                there += slope * ((dx * c - dy * s) >> 16) * state[_TURN] // (there * 44 // 7) - ((dx * s + dy * c) >> 16) - was
+                seen -= was
+                if -_JUMP < there < _JUMP and -_JUMP < seen < _JUMP:
+                    state[_WEIGHT + _NEW] += there * there
+                    state[_RATIO + _NEW] += there * seen
+                    if abs(seen - there) <= (abs(there) >> 2) + 4:
+                        state[_AGREED + _NEW] += there * there
+            k += 1
+            i += 4 * n

@@ -27,7 +27,6 @@ def robot(self, config, avoid, lidar, drive, safety, health, watchdog, link, scr
     self.screen = screen
     self.odometry = Odometry(config)
     self.trust = safety.trust
-    self.motion = safety.motion
     self.took_us = 0
     self._slices_us = 0
     self._slices = 0  # of the decision, still to be made before the next frame
@@ -35,14 +34,13 @@ def robot(self, config, avoid, lidar, drive, safety, health, watchdog, link, scr
     self._by_hand = 0  # how far V may lie from 90 by the last frame
 
 
-def safety(self, lidar, drive, health, button, trust, autostart, hung, motion):
+def safety(self, lidar, drive, health, button, trust, autostart, hung):
     """Fields of a Safety."""
     self._lidar = lidar
     self._drive = drive
     self._health = health
     self._button = button
     self.trust = trust
-    self.motion = motion  # with trust only
     self.state = _AUTO if autostart else _STOPPED
     self.waiting = not autostart
     self.fault = _LIDAR

@@ -41,7 +41,7 @@ _SLOW_V = const(9)  # with a low battery: half the usual speed
 
 class Safety:
     """lidar: has `ok`; drive: has `ok`, `restarts` and `told_v256`; health: Health; button: StopButton or None;
-    trust: ScanTrust, has `fault` and `most`, or None; motion: MotionCheck, has `fault`, `alarm` and `clear()`, or None.
+    trust: ScanTrust, has `fault`, `alarm`, `most` and `clear()`, or None.
 
     autostart: True if it drives without being asked. hung: True after the watchdog has reset the board.
 
@@ -51,10 +51,10 @@ class Safety:
     failures        exceptions that the loop has survived
     """
 
-    def __init__(self, lidar, drive, health, button, trust=None, autostart=False, hung=False, motion=None):
+    def __init__(self, lidar, drive, health, button, trust=None, autostart=False, hung=False):
         from safety.build import safety
 
-        safety(self, lidar, drive, health, button, trust, autostart, hung, motion)
+        safety(self, lidar, drive, health, button, trust, autostart, hung)
 
     def start(self, state):
         """A person wants it to drive. False while the stop button is pressed."""
@@ -63,8 +63,8 @@ class Safety:
         self.state = state
         self.waiting = False
         self._latched = _NONE
-        if self.motion is not None:
-            self.motion.clear()
+        if self.trust is not None:
+            self.trust.clear()
         return True
 
     def stop(self):
@@ -122,13 +122,12 @@ class Safety:
             return _LIDAR
         if self._health.empty:
             return _BATTERY
-        motion = self.motion
-        if motion is not None and motion.fault:
-            if motion.alarm:
-                self._latched = motion.fault
-            return motion.fault
         trust = self.trust
-        return _NONE if trust is None else trust.fault
+        if trust is None:
+            return _NONE
+        if trust.alarm:
+            self._latched = trust.fault
+        return trust.fault
 
     def _lost(self, now_us, restarts):
         """Chips had to be set up anew: the third time in a minute is once too often."""
