@@ -27,6 +27,7 @@ overflows = 0
 written = 0  # I2C writes so far
 write_us = 0  # time of the last one's end
 last_byte_us = 0  # arrival of the last byte of the batch handed over last
+kept = bytearray(9)  # what the RTC's memory holds: number of bytes, and they
 on_step = None
 on_write = None
 on_end = None
