@@ -7,8 +7,8 @@ sys.path.append("/lib")
 
 from safety import first
 
-first.silence()  # whatever a former life left turning
-note = first.former()
+first.stop()  # whatever a former life left turning
+note = first.load()
 robot = None
 
 if note != first.PROMPT:
@@ -23,7 +23,11 @@ try:
         if not robot.step():
             sleep_ms(1)
 except KeyboardInterrupt:
-    robot.prompt()
+    import machine
+
+    from safety.watchdog import prompt
+
+    prompt(robot, machine)
 finally:
     if robot is not None:
         robot.off()

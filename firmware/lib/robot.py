@@ -4,6 +4,7 @@ from time import ticks_diff, ticks_us
 
 from micropython import const
 
+from core.unload import forget
 from link import telemetry
 
 _STOPPED = const(12)  # reasons.STOPPED
@@ -18,46 +19,46 @@ _PLANNER = const(2)
 _DRIVE = const(3)
 _LINK = const(4)
 _SCREEN = const(5)
-PARTS = ("start", "lidar", "planner", "drive", "link", "screen")
 
 
 class Robot:
     """The parts, joined; buses and pins were handed to them by core/start.py.
 
-    avoid: Avoid; lidar: Lidar; drive: Drive; safety: Safety; health: Health; watchdog: Watchdog; link: Link or None; screen: Screen or None.
+    avoid: Avoid; lidar: Lidar; drive: Drive; safety: Safety; health: Health; link: Link or None; screen: Screen or None.
+    note, keep, feed: see safety/watchdog.py; until that has begun both do nothing.
     took_us: computing time of the slices of the latest decision.
     """
 
-    def __init__(self, config, avoid, lidar, drive, safety, health, watchdog, link=None, screen=None):
+    def __init__(self, config, avoid, lidar, drive, safety, health, link=None, screen=None):
         from safety.build import robot
 
-        robot(self, config, avoid, lidar, drive, safety, health, watchdog, link, screen)
+        robot(self, config, avoid, lidar, drive, safety, health, link, screen)
 
     def step(self):
         """Once round. Returns True if a lidar frame was taken in.
 
         Whatever goes wrong in link or screen is counted and told. In what drives the robot, it stops it until a person starts it again.
         """
-        watchdog = self.watchdog
-        note = watchdog.note
+        note = self.note
+        keep = self.keep
         now = ticks_us()
         seen = False
         try:
-            seen = self._drive_on(now, note, watchdog.keep)
+            seen = self._drive_on(now, note, keep)
         except Exception as error:
-            self._fail(error, note)
+            self._fail(error)
         try:
             if self.link is not None:
                 note[_PART] = _LINK
-                watchdog.keep(note)
+                keep(note)
                 self.link.update(now, self)
             if self.screen is not None:
                 note[_PART] = _SCREEN
-                watchdog.keep(note)
+                keep(note)
                 self.screen.update(now, self, self.link)
         except Exception as error:
-            self._survive(error, note)
-        watchdog.feed()
+            self._survive(error)
+        self.feed()
         return seen
 
     def _drive_on(self, now, note, keep):
@@ -121,31 +122,23 @@ class Robot:
         finally:
             self.lidar.stop()
 
-    def prompt(self):
-        """Off, and to MicroPython's prompt, where nothing feeds the watchdog: by way of a reset."""
-        try:
-            self.off()
-        finally:
-            self.watchdog.prompt()
-
-    def _fail(self, error, note):
+    def _fail(self, error):
         """A part that the robot cannot drive without has raised an exception."""
         self.safety.failed(isinstance(error, MemoryError))
         try:
             self.drive.halt()
         except Exception:
             self.drive.off()  # which cannot fail
-        self._survive(error, note)
+        self._survive(error)
 
-    def _survive(self, error, note):
-        """Count it, and tell the first few: what fails in every turn would fill the log."""
-        safety = self.safety
-        safety.failures += 1
-        if safety.failures <= 5 and self.link is not None:
-            try:
-                self.link.log(2, "%s: %r" % (PARTS[note[_PART]], error))
-            except MemoryError:
-                pass
+    def _survive(self, error):
+        try:
+            from safety.survive import survive
+
+            survive(self, error)
+            forget("safety.survive")
+        except MemoryError:
+            pass  # then it is not told
 
     def _command(self, af, ar, v):
         """Steer and drive, no faster than safety lets it."""

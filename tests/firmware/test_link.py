@@ -14,7 +14,6 @@ from link.frames import decode, frame
 from link.link import Link
 from link.telemetry import Decoder, Encoder, copy
 from safety.faults import STOP_BUTTON
-from safety.watchdog import Watchdog
 
 SESSION = b"sessions"
 KEY = b"k" * 32
@@ -99,7 +98,7 @@ class Robot:
         self.avoid = self.drive = self.odometry = self.lidar = Part()
         self.health = Part()
         self.safety = Safety()
-        self.watchdog = Watchdog()
+        self.feed = bool
         self.is_off = False
 
     def off(self):

@@ -15,7 +15,6 @@ from params.config import Config
 from pca9685 import PCA9685
 from safety.health import Health
 from safety.safety import Safety
-from safety.watchdog import Watchdog
 
 # The emulation of viper is a hundred times slower: there the loop is only run to see that it can be.
 _TURNS = 20 if sys.implementation.name == "micropython" else 2
@@ -55,7 +54,7 @@ def _robot(mode, clock):
     lidar = Lidar(_Line(bytes(rooms.FRAMES * rooms.FRAME_SIZE)), None, config)
     loop.ticks_us = clock
     health = Health(drive, None, config)
-    return loop.Robot(config, Avoid(config), lidar, drive, Safety(lidar, drive, health, None, None, True), health, Watchdog()), bus
+    return loop.Robot(config, Avoid(config), lidar, drive, Safety(lidar, drive, health, None, None, True), health), bus
 
 
 def _run(mode):

@@ -7,7 +7,7 @@ from safety import faults
 from safety.health import Health
 from safety.safety import AUTO, STOPPED, Safety
 from safety.stop_button import PRESSED, START, StopButton
-from safety.watchdog import Watchdog
+from safety.watchdog import begin, prompt
 
 MANUAL = 2
 
@@ -280,21 +280,31 @@ class Machine:
         self.resets += 1
 
 
-def test_the_watchdog_begins_when_it_is_told_to():
-    machine = Machine()
-    watchdog = Watchdog(machine)
-    watchdog.feed()
-    watchdog.keep(watchdog.note)
-    assert machine.fed == machine.timeout == 0
-    watchdog.begin()
-    watchdog.feed()
-    assert machine.fed == 1 and machine.timeout == 1000
-    watchdog.note[2] = 3
-    watchdog.keep(watchdog.note)
-    assert machine.kept == b"GS\3\0\0"
+class Robot:
+    """What the watchdog has to do with of the robot."""
+
+    off_at = None
+
+    def __init__(self, machine):
+        self.note = bytearray(b"GS\0\0")
+        self.machine = machine
+
+    def off(self):
+        self.off_at = self.machine.resets
 
 
-def test_the_way_to_the_prompt():
+def test_the_watchdog_wants_to_be_fed_every_second():
     machine = Machine()
-    Watchdog(machine).prompt()
-    assert machine.resets == 1 and machine.kept[3] == 1
+    robot = Robot(machine)
+    begin(robot, machine)
+    robot.feed()
+    robot.note[2] = 3
+    robot.keep(robot.note)
+    assert (machine.fed, machine.timeout, machine.kept) == (1, 1000, b"GS\3\0")
+
+
+def test_the_way_to_the_prompt_is_off_then_a_reset():
+    machine = Machine()
+    robot = Robot(machine)
+    prompt(robot, machine)
+    assert robot.off_at == 0 and machine.resets == 1 and machine.kept[3] == 1

@@ -55,10 +55,6 @@ class Drive(Part):
         pass
 
 
-class Watchdog:
-    feed = bool
-
-
 class Safety:
     state = 1
     fault = 0
@@ -76,7 +72,7 @@ class Safety:
 class Robot:
     avoid = odometry = lidar = health = Part
     safety = Safety
-    watchdog = Watchdog
+    feed = bool
     drive = Drive
     took_us = 0
 

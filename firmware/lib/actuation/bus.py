@@ -2,7 +2,8 @@
 
 from micropython import const
 
-_PULSES = const(9)  # of SCL: after so many a chip that was cut off within a byte lets go
+from core.unload import forget
+
 _TIMED_OUT = const(116)
 
 
@@ -31,10 +32,10 @@ class Bus:
         self._sda = pin(sda)
 
     def _free(self):
-        """Clock out what the chip wants to say. What it was told before is lost: OSError even if that helps."""
-        scl = self._machine.Pin(self._wiring[1], self._machine.Pin.OUT, value=1)
-        for _ in range(_PULSES):
-            scl.value(0)
-            scl.value(1)
+        """What the chip was told before is lost: OSError even if that helps."""
+        from actuation.bus_recovery import free
+
+        free(self._machine, self._wiring[1])
+        forget("actuation.bus_recovery")
         self._join()
         raise OSError(_TIMED_OUT)

@@ -37,7 +37,7 @@ def build(note=None, path="robot.json"):
     _keep(path)
     unload("core.start", "safety.first")
     gc.threshold(-1)  # from now on the loop allocates nothing
-    robot.watchdog.begin()
+    _watch(robot)
     return robot
 
 
@@ -60,13 +60,23 @@ def _build(path, note):
     avoid = _avoid(config)  # its tables are the largest objects: they come while the heap is still in one piece
     drive = _drive(config, servos, left, right, enable)
     lidar = _lidar(config, lidar_line, motor)
-    safety, health, watchdog, remarks = _safety(config, lidar, drive, button, adc, note)
+    safety, health, remarks = _safety(config, lidar, drive, button, adc, note)
     link = _link(config, safety, wlan, remark)
     for remark in remarks + [doubt] * bool(doubt):
         link.log(1, remark)
-    robot = _robot(config, avoid, lidar, drive, safety, health, watchdog, link, screen_line)
+    robot = _robot(config, avoid, lidar, drive, safety, health, link, screen_line)
     config.once = None
     return robot
+
+
+def _watch(robot):
+    import machine
+
+    from safety.watchdog import begin
+
+    begin(robot, machine)
+    begin = None
+    unload("safety.watchdog", "safety.survive")
 
 
 def _keep(path):
@@ -154,20 +164,20 @@ def _trust(config):
 
 
 def _safety(config, lidar, drive, button, adc, note):
-    """(Safety, Health, Watchdog, what is to be said). After any reset but the one by power it stands, and says what it knows of the reason."""
+    """(Safety, Health, what is to be said). After any reset but the one by power it stands, and says what it knows of the reason."""
     import machine
 
-    from robot import PARTS
     from safety.health import Health
     from safety.safety import Safety
     from safety.stop_button import StopButton
-    from safety.watchdog import Watchdog
 
     once = config.once
     cause = machine.reset_cause()
     hung = cause == _WDT_RESET
     remarks = []
     if hung:
+        from safety.survive import PARTS
+
         part = note[2] if note else 0
         remarks.append("the watchdog has reset the board; at work was: " + PARTS[part if part < len(PARTS) else 0])
     elif note is not None or cause != _POWER_ON:
@@ -177,10 +187,10 @@ def _safety(config, lidar, drive, button, adc, note):
         button = StopButton(button, once["pins_stop_closed"])
     health = Health(drive, adc, config)
     safety = Safety(lidar, drive, health, button, _trust(config), not stands, hung)
-    return safety, health, Watchdog(machine), remarks
+    return safety, health, remarks
 
 
-def _robot(config, avoid, lidar, drive, safety, health, watchdog, link, screen_line):
+def _robot(config, avoid, lidar, drive, safety, health, link, screen_line):
     """The robot, with what it shows."""
     from robot import Robot
 
@@ -190,6 +200,6 @@ def _robot(config, avoid, lidar, drive, safety, health, watchdog, link, screen_l
 
         screen = Screen(screen_line, config.screen_kind, config.screen_baud)
         unload("link.reason_texts", "link.screen_dialects")
-    robot = Robot(config, avoid, lidar, drive, safety, health, watchdog, link, screen)
+    robot = Robot(config, avoid, lidar, drive, safety, health, link, screen)
     unload("safety.build")
     return robot

@@ -14,7 +14,7 @@ _LIDAR = const(2)
 _HUNG = const(10)
 
 
-def robot(self, config, avoid, lidar, drive, safety, health, watchdog, link, screen):
+def robot(self, config, avoid, lidar, drive, safety, health, link, screen):
     """Fields of a Robot."""
     self.config = config
     self.avoid = avoid
@@ -22,7 +22,9 @@ def robot(self, config, avoid, lidar, drive, safety, health, watchdog, link, scr
     self.drive = drive
     self.safety = safety
     self.health = health
-    self.watchdog = watchdog
+    self.note = bytearray(b"GS\x00\x00")
+    self.keep = len  # takes the bytes as well, and does nothing
+    self.feed = bool
     self.link = link
     self.screen = screen
     self.odometry = Odometry(config)
