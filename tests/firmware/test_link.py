@@ -185,12 +185,12 @@ class Line:
         return found
 
 
-def make(signed=False, key=KEY):
+def make(signed=False, key=KEY, others=()):
     line = Line(signed)
     requests.Settings = Settings
     robot = Robot()
     robot.tuned = Settings.tuned = []
-    link = Link(Config(), b'{"firmware": "1"}', Encoder(), [line], SESSION, robot.safety, key and Signer(key))
+    link = Link(Config(), b'{"firmware": "1"}', Encoder(), [line, *others], SESSION, robot.safety, key and Signer(key))
     return link, line, robot
 
 
@@ -348,10 +348,8 @@ def test_the_stop_button_is_told_once_and_refuses_to_let_it_drive():
 
 
 def test_one_hand_at_a_time():
-    link, line, robot = make()
     other = Line(False)
-    carriers = link._carriers
-    carriers.append(other)
+    link, line, robot = make(others=(other,))
     line.receive(drive(1, protocol.MANUAL, 0, 0, 120))
     link.update(0, robot)
     other.receive(drive(2, protocol.MANUAL, 0, 0, 60))

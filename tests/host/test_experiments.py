@@ -6,6 +6,7 @@ from concurrent.futures import Future
 import pytest
 
 from host.experiments import campaign, cli, execute, plan, planners, report, store, tables
+from host.twin import process
 
 
 def entry(run, result="pass", **more):
@@ -109,8 +110,9 @@ def test_a_worker_with_other_sources_says_so():
         planners.snapshot("000000000000")
 
 
-def test_a_cluster_gives_the_same_as_this_machine(tmp_path):
+def test_a_cluster_gives_the_same_as_this_machine(tmp_path, monkeypatch):
     """Two workers of Dask, through the executor that the campaign uses."""
+    monkeypatch.setattr(process, "CHIP", 1.0)  # as in the workers, which know nothing of the tests
     distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed: pip install -e '.[cluster]'")
     _, sources = planners.snapshot()
     runs = [plan.Run(plan.DISC_NARROW, "Z", 450, seed=seed) for seed in (1, 2)]

@@ -157,11 +157,11 @@ def test_bad_robot_json_names_the_key(tmp_path, capsys):
         ({"i2c": {"sda": None}}, "i2c.sda = null: a GPIO is needed"),
     ],
 )
-def test_a_robot_that_cannot_be_is_refused_before_it_drives(robot, says, tmp_path, capsys):
+def test_a_robot_that_cannot_be_is_refused_before_it_drives(robot, says, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(sys.modules["host.twin.run"], "Process", None)  # nothing may be started
     (tmp_path / "robot.json").write_text(json.dumps(robot))
-    began = time.monotonic()
     assert cli.main(["Z", "--config", str(tmp_path / "robot.json")]) == 2
-    assert says in capsys.readouterr().err and time.monotonic() - began < 5
+    assert says in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kind, begins", [("svg", b"<?xml"), ("pdf", b"%PDF")])
