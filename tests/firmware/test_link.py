@@ -190,7 +190,7 @@ def make(signed=False, key=KEY, others=()):
     requests.Settings = Settings
     robot = Robot()
     robot.tuned = Settings.tuned = []
-    link = Link(Config(), b'{"firmware": "1"}', Encoder(), [line, *others], SESSION, robot.safety, key and Signer(key))
+    link = Link(Config(), b'{"firmware": "1"}', Encoder(), [line] + list(others), SESSION, robot.safety, key and Signer(key))
     return link, line, robot
 
 
