@@ -63,7 +63,10 @@ class Server:
     async def _serve(self, reader, writer) -> None:
         if not hasattr(writer, "awrite"):
             writer = _Writer(writer)
-        await self._app.handle_request(reader, writer)
+        try:
+            await self._app.handle_request(reader, writer)
+        except asyncio.CancelledError:
+            pass  # Ctrl-C with a page open: asyncio would print this as an error of the connection
 
     async def _from_here(self, request: Request):
         """Refuses what did not begin with an address that the monitor printed."""

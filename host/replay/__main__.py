@@ -89,6 +89,12 @@ def _change(text: str) -> tuple[str, object]:
         return key.strip(), value.strip()
 
 
+def _rows(text: str) -> int:
+    if not text.isdigit():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of rows; whole numbers from 0 are accepted")
+    return int(text)
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m host.replay", description="Run a recording through the firmware again and compare what it decides.",
@@ -99,7 +105,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting of robot.json: avoid.margin=20")
     parser.add_argument("--engine", choices=ENGINES, default=ENGINES[0], help="what runs the firmware")
     parser.add_argument("--firmware", type=Path, default=FIRMWARE, metavar="FOLDER", help="main.py and lib/ to run (default firmware/)")
-    parser.add_argument("--rows", type=int, default=10, metavar="N", help="differing decisions to show (default %(default)s)")
+    parser.add_argument("--rows", type=_rows, default=10, metavar="N", help="differing decisions to show (default %(default)s)")
     return parser
 
 

@@ -4,13 +4,18 @@ import asyncio
 import base64
 import json
 import os
+import signal
 import socket
 import struct
+import subprocess
+import sys
 import threading
 import time
 import urllib.error
+import urllib.parse
 import urllib.request
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -58,6 +63,7 @@ def decision(number, state=1):
     return whole_frames.frame(protocol.DECISION, packed, number)
 
 
+ROOT = Path(__file__).resolve().parents[2]
 NAMES = whole_frames.frame(protocol.NAMES, b'{"reasons": ["waiting", "steering through the gap"], "faults": ["well", "lidar is silent"]}')
 
 
@@ -466,3 +472,15 @@ def test_recordings_are_listed_with_what_became_of_them(station):
     good, broken = station.command({"do": "recordings"})["list"]
     assert good["path"] == "out/first.rec" and good["result"] == "pass after 20.0 s" and good["way"] == [[0, 20], [100, 20], [200, 20]]
     assert good["length"] < 5 and "no recording" in broken["result"]
+
+
+def test_ctrl_c_with_a_page_open_says_nothing(tmp_path):
+    command = [sys.executable, "-m", "host.monitor", "twin:z?width=620", "--no-browser"]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
+        url = urllib.parse.urlsplit(child.stdout.readline().split()[-1])
+        page = Page(SimpleNamespace(port=url.port, key=url.query.removeprefix("key=")))
+        page.get("truth")
+        child.send_signal(signal.SIGINT)
+        _, error = child.communicate(timeout=20)
+        page.close()
+    assert (child.returncode, error) == (0, "")
