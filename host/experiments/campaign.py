@@ -1,7 +1,9 @@
 """Runs what is missing, on all cores or on a cluster."""
 
+import multiprocessing
 import os
 import signal
+import sys
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 
@@ -21,7 +23,7 @@ def complete(runs, sources, store, executor, quiet=False):
     waiting = {}
     for run in runs:
         if run.key(sources) not in store.done:
-            waiting[executor.submit(execute, run, sources)] = run
+            waiting[executor.submit(_execute, run, sources)] = run
     failed = None
     with tqdm(total=len(runs), initial=len(runs) - len(waiting), desc="runs", unit="run", disable=quiet or None) as bar:
         for future in as_completed(waiting):
@@ -35,15 +37,46 @@ def complete(runs, sources, store, executor, quiet=False):
     return {run: store.done[run.key(sources)] for run in runs}
 
 
+_over = False  # in a worker: what still waits for it is not begun
+
+
+def _begin():
+    """In a new worker: Ctrl-C is for the process that hands out the runs; its SIGTERM ends a run, which clears up behind itself."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _end)
+
+
+def _end(*_):
+    global _over
+    _over = True
+    raise KeyboardInterrupt
+
+
+def _execute(run, sources):
+    entry = None if _over else execute(run, sources)
+    if _over:  # a run that was broken off is no result
+        raise KeyboardInterrupt
+    return entry
+
+
+def _break_off():
+    """End the runs that are being driven; a second Ctrl-C does not wait for them."""
+    print("\nending the runs that are at work; Ctrl-C once more leaves at once", file=sys.stderr, flush=True)
+    signal.signal(signal.SIGINT, lambda *_: os._exit(1))
+    for worker in multiprocessing.active_children():
+        worker.terminate()
+
+
 @contextmanager
 def executor(cluster=None, workers=None):
     """An executor of concurrent.futures: processes of this machine, or with the address of its scheduler a Dask cluster."""
     if cluster is None:
-        # Ctrl-C is for this process; the workers end the runs they are at.
-        with ProcessPoolExecutor(workers or os.cpu_count(), initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN)) as pool:
+        with ProcessPoolExecutor(workers or os.cpu_count(), initializer=_begin) as pool:
             try:
                 yield pool
-            except BaseException:
+            except BaseException as error:
+                if isinstance(error, KeyboardInterrupt):
+                    _break_off()
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
         return

@@ -49,7 +49,7 @@ def _parser():
     )
     add_version(parser)
     add = parser.add_argument
-    add("--quick", action="store_true", help="a taste of every section in about a minute, written to out/experiments-quick")
+    add("--quick", action="store_true", help="a taste of every section, a minute or one and a half on two cores, written to out/experiments-quick")
     add("--seeds", type=_positive, default=SEEDS, metavar="N", help=f"runs for each width of the pass rates (default {SEEDS})")
     add("--workers", type=_positive, default=os.cpu_count(), metavar="N", help="processes on this machine (default: one a core)")
     add("--cluster", metavar="ADDRESS", help="hand the runs to the Dask cluster whose scheduler is there, tcp://host:8786")

@@ -13,11 +13,12 @@ QUARTER_MM = 0.25
 
 @dataclass
 class Scan:
-    """One revolution. bearings: degrees, body frame. distances: mm, 0 where nothing came back. signals: 0..255."""
+    """One revolution. began: s, when its first frame came in. bearings: degrees, body frame. distances: mm, 0 where nothing came back. signals: 0..255."""
 
     bearings: list[float] = field(default_factory=list)
     distances: list[float] = field(default_factory=list)
     signals: list[int] = field(default_factory=list)
+    began: float | None = None
 
 
 class _Wire:
@@ -53,6 +54,8 @@ class ScanReader:
         lidar = self._lidar
         while lidar.poll(record.time_us & 0x3FFFFFFF):
             scan = self._scan
+            if scan.began is None:
+                scan.began = record.time_us / 1e6
             scan.bearings += [bearing / 10 for bearing in lidar.bearings[: lidar.n]]
             scan.distances += [distance * QUARTER_MM for distance in lidar.distances[: lidar.n]]
             scan.signals += lidar.signals[: lidar.n]

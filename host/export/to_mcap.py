@@ -121,7 +121,9 @@ def export(reader: Reader, target: Path, lacks: list[str] | None = None) -> int:
         else:
             for record in reader.stream(Stream.LIDAR):
                 for scan in scans.take(record):
-                    exporter.scan(record.time_us / 1e6, scan)
+                    end = record.time_us / 1e6
+                    # The schema has one time for all beams: in the middle the error is half as large, and of either sign.
+                    exporter.scan((scan.began + end) / 2 if scan.began is not None else end, scan)
         for moment, message in timeline(reader):
             exporter.message(moment, message)
         topics.finish()

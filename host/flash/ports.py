@@ -19,6 +19,8 @@ def choose(wanted: str | None, ask: Callable[[str], str] | None = None) -> str:
 
 
 def _pick(found: list, ask: Callable[[str], str] | None) -> str:
+    if not found and (trouble := usb.obstacle()):
+        raise FlashError("no board found", trouble)
     if not found:
         raise FlashError(
             "no board found: there is no USB serial port",

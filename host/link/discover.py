@@ -15,6 +15,13 @@ def boards() -> list[str]:
     return [f"serial:{port.device}" for port in usb.candidates()]
 
 
+def trouble() -> str:
+    """What keeps a board that is plugged in from being used, with the cure; "" where nothing does."""
+    from host.boards import usb
+
+    return usb.obstacle()
+
+
 def robots(seconds: float = 1.5, port: int = PORT) -> list[tuple[str, dict]]:
     """[(address, hello)] of the robots heard within `seconds`; each announces itself once a second."""
     found = {}

@@ -49,6 +49,8 @@ def find() -> str | None:
     from host.link import discover
 
     boards = discover.boards()
+    if trouble := discover.trouble():
+        print(trouble, file=sys.stderr)
     if boards:
         return _only(boards)
     print("no board on USB; listening for robots in the network ...", file=sys.stderr)

@@ -222,3 +222,15 @@ def test_a_group_where_a_choice_is_needed():
         assert False
     except ValueError as error:
         assert "mode" in str(error)
+
+
+def test_a_password_that_no_network_takes_is_refused_and_not_shown():
+    for password in ("12345", "qq7"):
+        try:
+            Config({"wifi": {"password": password}})
+        except ConfigError as error:
+            assert "8 to 63" in str(error) and password not in str(error)
+        else:
+            assert False, password
+    for password in ("", "12345678"):
+        Config({"wifi": {"password": password}})

@@ -79,7 +79,7 @@ def test_scans(exported):
     scan_messages = exported["/scan"]
     assert len(scan_messages) == 2
     time, schema, scan = scan_messages[0]
-    assert (time, schema) == (152_000_000, "foxglove.LaserScan")
+    assert (time, schema) == (77_000_000, "foxglove.LaserScan")  # the middle of a revolution of 152 ms
     assert scan.timestamp.ToNanoseconds() == time
     assert scan.frame_id == "body"
     assert (scan.pose.position.x, scan.pose.position.y) == pytest.approx((0.02, -0.01))  # 20 mm forward, 10 mm right

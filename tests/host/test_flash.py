@@ -428,6 +428,27 @@ def test_no_board(monkeypatch):
         ports.choose(None)
 
 
+def test_a_board_whose_port_somebody_else_took_is_named(monkeypatch, tmp_path):
+    plug(monkeypatch)
+    board, hub = tmp_path / "1-4", tmp_path / "usb1"
+    for device, vendor, product in ((board, "1a86", "7523"), (hub, "1d6b", "0002")):
+        device.mkdir()
+        (device / "idVendor").write_text(vendor + "\n")
+        (device / "idProduct").write_text(product + "\n")
+    assert "1a86:7523" in usb.obstacle(tmp_path) and "apt remove brltty" in usb.obstacle(tmp_path)
+    monkeypatch.setattr(usb, "DEVICES", tmp_path)
+    with pytest.raises(FlashError, match="brltty"):
+        ports.choose(None)
+    (board / "1-4:1.0" / "ttyUSB0").mkdir(parents=True)
+    assert usb.obstacle(tmp_path) == ""
+
+
+def test_a_port_of_another_group_is_named_before_it_is_opened(monkeypatch, tmp_path):
+    plug(monkeypatch, port("/dev/ttyUSB0"))
+    monkeypatch.setattr(usb.os, "access", lambda path, mode: False)
+    assert "dialout" in usb.obstacle(tmp_path)
+
+
 def test_several_boards_are_asked_about(monkeypatch):
     plug(monkeypatch, port("/dev/ttyUSB1"), port("/dev/ttyUSB0"))
     assert ports.choose(None, lambda question: "2") == "/dev/ttyUSB1"

@@ -154,6 +154,8 @@ def _value(config, row, value):
     if kind == "text":
         if type(value) is not str or len(value) > high:
             refuse(key, value, "a text of at most %d characters is needed" % high)
+        if key == "wifi.password" and 0 < len(value) < 8:
+            refuse(key, "*" * len(value), "8 to 63 characters, or none for an open network")
         return value
     if kind == "pin":
         taken = schema.USB_PINS + schema.FLASH_PINS

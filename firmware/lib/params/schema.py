@@ -107,7 +107,7 @@ BOOT = """
 """
 
 LIVE = """
-["drive.cruise", "int", 108, 91, 180, "V", "speed on a free way; 90 stands, 180 is full speed"]
+["drive.cruise", "int", 108, 91, 180, "on the V scale", "speed on a free way; 90 stands, 180 is full speed"]
 ["drive.acceleration", "int", 2000, 100, 20000, "mm/s2", "fastest change of speed; a stop is immediate"]
 ["servos.rate", "int", 300, 20, 1000, "deg/s", "how fast the servos are asked to turn"]
 ["servos.latency", "int", 20, 0, 200, "ms", "from a new pulse width to the wheel's motion"]
