@@ -60,7 +60,7 @@ def test_ground_covered_is_dear():
 
 
 def test_leaving_rear_first_is_dear():
-    # A corridor in which the body cannot turn round; the way on is the same, the nose points on or back.
+    # A corridor in which the body cannot turn round; the way out is the same, the nose points to it or away from it.
     walls = _Points((-190, -1000, -190, 1000), (190, -1000, 190, 1000))
     odometry = Still()
     on = _at(_built(walls), 0, 0)
