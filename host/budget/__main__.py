@@ -12,7 +12,9 @@ from pathlib import Path
 
 from host import micropython
 from host.twin import image
+from host.twin.run import load_config
 from host.version import add_version
+from params.config import Config
 
 from . import chip_memory, report, targets, trace
 
@@ -37,18 +39,19 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def _config(path: Path, options: list[str]) -> dict:
-    """The robot.json with the options put in. ValueError names an option that is not GROUP.KEY=VALUE."""
-    config = json.loads(path.read_text())
+    """The robot.json with the options put in. ValueError names the file, the option or the key that is wrong."""
+    config = load_config(path)
     for option in options:
         key, equals, value = option.partition("=")
-        group, dot, name = key.partition(".")
-        if not (equals and dot and name):
+        group, _, name = key.partition(".")
+        if not (equals and group):
             raise ValueError(f"--option {option}: write it as group.key=value, such as screen.kind=nextion")
         try:
             told = json.loads(value)
         except ValueError:
             told = value
-        config = trace.merged(config, {group: {name: told}})
+        config = trace.merged(config, {group: {name: told}}) if name else {**config, group: told}
+    Config(config)  # says what the robot would refuse
     return config
 
 

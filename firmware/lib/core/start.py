@@ -16,7 +16,10 @@ _GOOD = const(".good")
 _BLOCK = const(64)
 
 # What holds machine code, and stays: each with what it imports.
-_MACHINE_CODE = ("link.telemetry", "actuation.drive", "lidar", "avoid")
+_MACHINE_CODE = (
+    "link.telemetry", "actuation.drive", "lidar", "perception.local_map", "planner.collision", "planner.cost_to_go", "planner.move_cost", "perception.windows",
+    "perception.scan_trust",
+)  # fmt: skip
 
 
 def build(note=None, path="robot.json"):
