@@ -228,7 +228,7 @@ def test_a_password_that_no_network_takes_is_refused_and_not_shown():
     for password in ("12345", "qq7"):
         try:
             Config({"wifi": {"password": password}})
-        except ConfigError as error:
+        except ValueError as error:
             assert "8 to 63" in str(error) and password not in str(error)
         else:
             assert False, password

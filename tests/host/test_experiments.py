@@ -1,12 +1,19 @@
 """The experiments: what is run, what is kept, what is written, and that a cluster gives the same as this machine."""
 
 import json
+import signal
+import subprocess
+import sys
+import time
 from concurrent.futures import Future
+from pathlib import Path
 
 import pytest
 
 from host.experiments import campaign, cli, execute, plan, planners, report, store, tables
 from host.twin import process
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def entry(run, result="pass", **more):
@@ -129,3 +136,14 @@ def test_no_cluster_is_said_in_words(monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(campaign, "PATIENCE_S", 1)
     assert cli.main(["--quick", "--cluster", "tcp://127.0.0.1:9", "--store", str(tmp_path / "s.jsonl"), "--out", str(tmp_path)]) == 2
     assert "dask scheduler" in capsys.readouterr().err
+
+
+def test_ctrl_c_ends_the_runs_that_are_at_work(tmp_path):
+    command = [sys.executable, "-m", "host.experiments", "--quick", "--workers", "1", "--store", str(tmp_path / "store"), "--out", str(tmp_path)]
+    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True) as child:
+        time.sleep(8)
+        child.send_signal(signal.SIGINT)
+        began = time.monotonic()
+        _, error = child.communicate(timeout=60)
+    assert child.returncode == 1 and time.monotonic() - began < 5
+    assert "goes on from here" in error and "Traceback" not in error
