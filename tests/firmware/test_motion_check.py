@@ -31,6 +31,7 @@ class Lidar:
     def __init__(self):
         self.place = FRAMES - 1
         self.n = BEAMS
+        self.missed = 0
         self.frame_us = 0
         self.period_us = int(PERIOD_S * 1e6)
         self.bearings = array("H", bytes(160))
@@ -95,6 +96,7 @@ class Drive:
             far = range_to(self.walls, x, y, heading + 2 * pi * turn) if place >= self.people else 700 + self.waver(150)
             lidar.distances[i] = min(int(4 * far) + self.waver(16), 65535)
         v256 = 256 if self.speed > 0 else -256 if self.speed < 0 or self.turn else 0
+        lidar.missed += not heard
         if heard:
             self.check.frame(lidar, odometry, v256)
 

@@ -5,7 +5,6 @@ from array import array
 from perception.scan_trust import ScanTrust
 
 FRAMES = 16
-PERIOD = 9_470
 BEAMS = 38
 SCAN = 12
 
@@ -29,10 +28,8 @@ class Lidar:
 
     def __init__(self, frames=FRAMES):
         self.frames = frames
-        self.n = 0
+        self.n = self.missed = 0
         self.place = frames - 1
-        self.frame_us = (1 << 30) - 300_000  # the clock runs over soon
-        self.period_us = PERIOD
         self.bearings = array("H", bytes(160))
         self.distances = array("H", bytes(160))
         self.random = 1
@@ -41,7 +38,6 @@ class Lidar:
     def turn(self):
         """The next frame."""
         self.place = (self.place + 1) % self.frames
-        self.frame_us = (self.frame_us + self.period_us) & 0x3FFFFFFF
 
     def see(self, n=BEAMS, returns=BEAMS):
         self.n = n
@@ -62,8 +58,13 @@ class Bench:
         self.trust = ScanTrust(config)
         self.odometry = Odometry()
         self.v256 = v256
+        self.place = self.lidar.place
 
     def hear(self):
+        """As the lidar's reader does: what lies between two frames is missing; one that comes again has gone round."""
+        lidar = self.lidar
+        lidar.missed += (lidar.place - self.place - 1) % lidar.frames
+        self.place = lidar.place
         self.trust.frame(self.lidar, self.odometry, self.v256)
         return self.trust.fault
 
@@ -98,18 +99,9 @@ def test_trust_is_earned_by_a_whole_revolution():
     assert heard >= FRAMES - 1
 
 
-def test_good_scans_stay_trusted_over_the_end_of_the_clock():
+def test_good_scans_stay_trusted():
     for frames in (8, 15, 16, 32):
         assert trusting(lidar_frames=frames).look(revolutions=300) is None
-
-
-def test_a_frame_that_comes_a_little_early_or_late_is_no_fault():
-    bench = trusting()
-
-    def waver(lidar):
-        lidar.frame_us += 700 if lidar.place & 1 else -700
-
-    assert bench.look(waver, 20) is None
 
 
 def test_every_gap_is_found_within_one_and_a_half_revolutions():
@@ -143,7 +135,6 @@ def test_one_frame_again_and_again():
     bench.lidar.see()
     frames = 1
     while not bench.hear():
-        bench.lidar.frame_us = (bench.lidar.frame_us + PERIOD) & 0x3FFFFFFF
         frames += 1
         assert frames <= FRAMES * 3 // 2
 
@@ -206,7 +197,8 @@ def test_share_of_the_beams():
         just = share // 2  # of 50 beams
         for fewer, well in ((0, 1), (1, 0)):
             bench = trusting(lidar_returns=share)
-            bench.look(lambda lidar, fewer=fewer, just=just: lidar.see(n=50, returns=just - (fewer if lidar.place == 3 else 0)), 3)
+            for _ in range(4 * FRAMES):
+                bench.look(lambda lidar, fewer=fewer, just=just: lidar.see(n=50, returns=just - (fewer if lidar.place == 3 else 0)), until=1)
             assert (bench.trust.fault == 0) == well, (share, fewer)
 
 

@@ -12,7 +12,7 @@ _CAPACITY = const(320)  # local_map.py
 _HASH = const(512)
 _MOST_GONE = const(16)
 _KEPT = const(240)
-_ROW = const(10)  # scan_trust.py
+_ROW = const(7)  # scan_trust.py
 _BINS = const(4)  # scan_trust.py
 _CLEAR = const(60)  # mm from the outline: the border of what is unknown comes no nearer, or there would be no way out
 
@@ -47,7 +47,7 @@ def scan_trust(self, config):
     self._rows = array("H", bytes(2 * (size + 2 * turn)))
     half = config.robot_length // 2 + _CLEAR
     # Both in the order of the places in scan_trust.py
-    self._found = array("i", (4 * config.lidar_near, 4 * config.lidar_far, 0, 0, 0))
+    self._found = array("i", (4 * config.lidar_near, 4 * config.lidar_far, 0, 0))
     self._state = array(
         "i",
         (config.lidar_returns, size, -turn if config.lidar_mirrored else turn, config.lidar_x, config.lidar_y)

@@ -2,9 +2,9 @@
 
 The lidar's revolution is a ring of places, one for each frame. Trust is earned: it takes a whole revolution in which
 
-- every place was heard of within 1.5 revolutions: each frame looks after the two places opposite it, which finds every gap there can be,
+- no frame was missing, so that every place was heard of,
 - enough of the beams came back (lidar.returns): not at 0, not below lidar.near, not at lidar.far or beyond, and not all of a frame alike,
-- and not every frame with returns was the same as that of its place a revolution before: real ranges waver.
+- and not every frame was the same as that of its place a revolution before: real ranges waver.
 
 A place ahead or behind from which nothing returns is unknown, not free: glass, a black surface, dirt. The border of what was seen free there
 last is put into the frame as if something stood there: the planner keeps off it as off any wall, until a beam sees farther. How far that is
@@ -43,7 +43,6 @@ _HALF = const(15)
 
 _SLOW = const(6)  # V - 90
 _ANY = const(90)
-_LONGEST = const(76)  # in 4096 us: 1.25 revolutions at 4 r/s
 _CONE = const(375)  # 0.1 deg to either side of straight ahead or back: there the blind disc hides nothing but the body
 _NEAR_BORDER = const(400)  # mm before the border the robot gets slow
 
@@ -55,24 +54,20 @@ _BACK = const(360)  # frames since a fault for which the way is taken for blocke
 _FORGET = const(2000)  # and after which it may try again
 
 # Layout of the rows, one for each place; behind them the bins of two revolutions, in turn
-_HEARD = const(0)  # 4096 us modulo 2**16
-_BEAMS = const(1)
-_RETURNS = const(2)
-_SUM = const(3)  # of the distances, modulo 2**16
-_RANGE = const(4)  # when enough returned last: the farthest, mm; 0: never
-_ROLLED = const(5)  # what the wheels had rolled then, mm modulo 2**16
-_WAY = const(6)  # 1: ahead the border is near, 2: behind, else 0
-_X = const(7)  # where the lidar was, quarter mm
-_Y = const(8)
-_HEADING = const(9)  # of the body, 0.1 deg
-_ROW = const(10)
+_RETURNS = const(0)
+_RANGE = const(1)  # when enough returned last: the farthest, mm; 0: never
+_ROLLED = const(2)  # what the wheels had rolled then, mm modulo 2**16
+_WAY = const(3)  # 1: ahead the border is near, 2: behind, else 0
+_X = const(4)  # where the lidar was, quarter mm
+_Y = const(5)
+_HEADING = const(6)  # of the body, 0.1 deg
+_ROW = const(7)
 
 # What is looked for in a frame, and found
 _NEAR = const(0)  # quarter mm, the first that counts
 _FAR = const(1)  # the first that does not
 _COUNT = const(2)  # how many count,
-_TOTAL = const(3)  # their sum,
-_LARGEST = const(4)  # and the largest
+_LARGEST = const(3)  # and the largest
 
 # Layout of the state
 _LEAST = const(0)  # share of the beams that must come back, %
@@ -82,7 +77,7 @@ _LEVER_X = const(3)  # the lidar in the body, mm
 _LEVER_Y = const(4)
 _NEAREST = const(4)  # mm from the lidar that the border keeps: ahead at _NEAREST + 1, behind at + 2
 _WAYS = const(7)  # how many places have no border near; ahead at + 1, behind at + 2
-_ALL = const(10)  # beams in the rows
+_MISSED = const(10)  # frames that had been missing when it looked last
 _SEEN = const(11)  # returns in the rows
 _ALIKE = const(12)  # frames in a row as they were a revolution before
 _GOOD = const(13)  # frames since trust was lost, up to two revolutions
@@ -97,11 +92,10 @@ _BLOCKED = const(22)  # the way taken for blocked: 1 ahead, 2 behind, 0 neither
 
 @micropython.viper
 def _look(distances: ptr16, n: int, found: ptr32):
-    """Of the distances (quarter mm) from found[_NEAR] to below found[_FAR]: how many, their sum, the largest; none if they are all equal."""
+    """Of the distances (quarter mm) from found[_NEAR] to below found[_FAR]: how many, the largest; none if they are all equal."""
     near = found[_NEAR]
     far = found[_FAR]
     count = 0
-    total = 0
     low = far
     high = 0
     while n:
@@ -109,7 +103,6 @@ def _look(distances: ptr16, n: int, found: ptr32):
         d = distances[n]
         if d >= near and d < far:
             count += 1
-            total += d
             if d < low:
                 low = d
             if d > high:
@@ -117,7 +110,6 @@ def _look(distances: ptr16, n: int, found: ptr32):
     if low == high:
         count = 0  # no surface is like that
     found[_COUNT] = count
-    found[_TOTAL] = total
     found[_LARGEST] = high
 
 
@@ -154,30 +146,20 @@ class ScanTrust:
             self._judge(state, v256)
         self._compare(lidar, odometry, rows, state)
         n = lidar.n
-        now = (lidar.frame_us >> 12) & 0xFFFF
-        # Half a revolution ago the places opposite were heard of, or one and a half.
-        limit = min(size // _ROW * lidar.period_us * 5 >> 14, _LONGEST)
-        opposite = at + size // (2 * _ROW) * _ROW
-        late = (now - rows[opposite % size]) & 0xFFFF > limit or (now - rows[(opposite + _ROW) % size]) & 0xFFFF > limit
         found = self._found
         _look(lidar.distances, n, found)
         returns = found[_COUNT]
-        total = found[_TOTAL] & 0xFFFF
-        state[_ALL] += n - rows[at + _BEAMS]
-        state[_SEEN] += returns - rows[at + _RETURNS]
-        if returns:
-            state[_ALIKE] = state[_ALIKE] + _ROW if total == rows[at + _SUM] else 0
-        rows[at] = now
-        rows[at + _BEAMS] = n
+        state[_SEEN] += returns - rows[at]
         self._border(lidar, odometry, rows, state, at)
-        rows[at + _RETURNS] = returns
-        rows[at + _SUM] = total
+        rows[at] = returns
         good = state[_GOOD]
-        if late or not n or state[_SEEN] * 100 < state[_LEAST] * state[_ALL] or state[_ALIKE] >= size:
+        missed = lidar.missed
+        if missed != state[_MISSED] or not n or state[_SEEN] * 100 * _ROW < state[_LEAST] * n * size or state[_ALIKE] >= size:
             good = 0
         elif good < 2 * size:
             good += _ROW
         state[_GOOD] = good
+        state[_MISSED] = missed
         if state[_SINCE] < _FORGET:
             state[_SINCE] += 1
             if state[_SINCE] == _BACK:
@@ -202,7 +184,7 @@ class ScanTrust:
             rows[at + _ROLLED] = rolled & 0xFFFF
             if not blocked:
                 way = 0
-        elif not blocked and (not state[_LEAST] or rows[at + _RETURNS] << 3 > n):
+        elif not blocked and (not state[_LEAST] or rows[at] << 3 > n):
             way = 0  # it was better the time before
         if way:
             nearest = border = state[_NEAREST + way]
@@ -268,6 +250,7 @@ class ScanTrust:
         dy = (heading * s + dx * c) >> 14
         dx = (heading * c - dx * s) >> 14
         known = state[_GOOD] == 2 * size
+        changes = some = 0
         k = lidar.place * _BINS
         i = n
         while i < 16 * n:
@@ -276,6 +259,8 @@ class ScanTrust:
             seen = (first + last) >> 3 if -first < (first - last) * 8 < first else 0  # one surface
             rows[now + k] = seen
             was = rows[before + k]
+            changes |= seen ^ was
+            some |= seen
             there = (k << 8) + turned
             one = rows[before + (there >> 8) % turn]
             slope = rows[before + ((there >> 8) + 1) % turn] - one
@@ -293,3 +278,7 @@ class ScanTrust:
                         state[_AGREED + _NEW] += there * there
             k += 1
             i += 4 * n
+        if changes:
+            state[_ALIKE] = 0
+        elif some:
+            state[_ALIKE] += _ROW
