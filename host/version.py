@@ -12,7 +12,8 @@ __all__ = ["VERSION", "add_version", "python"]
 
 
 def add_version(parser: ArgumentParser) -> None:
-    """Give a tool its --version."""
+    """Give a tool its --version, and its usage the name of the Python that runs it: not every system has one called python."""
+    parser.prog = parser.prog.replace("python -m", f"{python()} -m", 1)
     parser.add_argument("--version", action="version", version=f"gapseeker {VERSION}")
 
 

@@ -42,9 +42,9 @@ def pose(frame: str, x: float, y: float, heading: float) -> PoseInFrame:
     return message
 
 
-def transform(parent: str, x: float, y: float, heading: float) -> FrameTransform:
-    """Frame `body` in its parent."""
-    message = FrameTransform(parent_frame_id=parent, child_frame_id="body")
+def transform(parent: str, child: str, x: float, y: float, heading: float) -> FrameTransform:
+    """A frame in its parent."""
+    message = FrameTransform(parent_frame_id=parent, child_frame_id=child)
     message.translation.x, message.translation.y = frames.world_point(x, y)
     _turn(message.rotation, frames.yaw(heading))
     return message

@@ -4,7 +4,7 @@
     /scan          foxglove.LaserScan        one revolution, in the frame `body`
     /pose          foxglove.PoseInFrame      where the robot really was (recordings of the twin), in the frame `world`
     /odometry      foxglove.PoseInFrame      where it thought it was, in the frame `odometry`
-    /tf            foxglove.FrameTransform   world -> body, from the true pose; without one, from the odometry
+    /tf            foxglove.FrameTransform   one tree: world -> odometry -> body; world is left out where the true pose is not known
     /points        foxglove.PointCloud       the points of the windows, each in its window's colour
     /scene         foxglove.SceneUpdate      the body, and the walls of a course of the twin
     /decision      gapseeker.decision        JSON, for plots: af, ar (deg), v, window, zone, free (mm), why in words, ...
@@ -22,7 +22,7 @@ from pathlib import Path
 from host.recording import Reader, Stream
 from params.values import ConfigError
 
-from . import shapes
+from . import frames, shapes
 from .scans import Scan, ScanReader, evenly
 from .timeline import timeline, word
 from .topics import Topics
@@ -38,7 +38,8 @@ class Exporter:
         self._topics = topics
         self._lidar = robot.get("lidar", {})
         self._reasons = reasons
-        self._truth_known = False
+        self._true: tuple[float, float, float] | None = None  # the latest true pose, and the latest believed one
+        self._believed: tuple[float, float, float] | None = None
         self._takers: dict[str, Callable] = {
             "truth": self._truth, "pose": self._odometry, "points": self._points, "scan": self._told_scan, "decision": self._decision,
             "wheels": self._numbers, "health": self._numbers, "event": self._event, "text": self._event, "log": self._log,
@@ -61,16 +62,20 @@ class Exporter:
         self._topics.write("/scene", moment, shapes.body(width, length))
 
     def _truth(self, moment, message):
-        self._truth_known = True
-        where = message["x"], message["y"], message["heading"]
+        self._true = where = message["x"], message["y"], message["heading"]
         self._topics.write("/pose", moment, shapes.pose("world", *where))
-        self._topics.write("/tf", moment, shapes.transform("world", *where))
+        believed = self._believed or (0.0, 0.0, 0.0)
+        # What is believed of the body stays; where that frame lies in the world makes up for its error.
+        self._topics.write("/tf", moment, shapes.transform("world", "odometry", *frames.parent_of(where, believed)))
+        if self._believed is None:
+            self._topics.write("/tf", moment, shapes.transform("odometry", "body", *believed))
 
     def _odometry(self, moment, message):
-        where = message["x"], message["y"], message["heading"]
+        self._believed = where = message["x"], message["y"], message["heading"]
         self._topics.write("/odometry", moment, shapes.pose("odometry", *where))
-        if not self._truth_known:
-            self._topics.write("/tf", moment, shapes.transform("odometry", *where))
+        self._topics.write("/tf", moment, shapes.transform("odometry", "body", *where))
+        if self._true:
+            self._topics.write("/tf", moment, shapes.transform("world", "odometry", *frames.parent_of(self._true, where)))
 
     def _points(self, moment, message):
         self._topics.write("/points", moment, shapes.points(message["x"], message["y"], message["window"]))

@@ -3,6 +3,7 @@
 import csv
 import json
 import struct
+from cmath import rect
 from math import atan2, degrees, inf, pi
 
 import pytest
@@ -109,8 +110,16 @@ def degrees_of(orientation):
     return degrees(2 * atan2(orientation.z, orientation.w))
 
 
-def test_the_frames_are_joined(exported):
-    assert [(m.parent_frame_id, m.child_frame_id, m.translation.x) for _, _, m in exported["/tf"]] == [("world", "body", 0.3), ("world", "body", 1.5)]
+def test_the_frames_are_one_tree_in_which_the_body_is_where_it_truly_is(exported):
+    latest = {}
+    for _, _, message in exported["/tf"]:
+        turn = 2 * atan2(message.rotation.z, message.rotation.w)
+        latest[message.child_frame_id] = message.parent_frame_id, complex(message.translation.x, message.translation.y), turn
+    assert {child: parent for child, (parent, _, _) in latest.items()} == {"odometry": "world", "body": "odometry"}
+    (_, where, turn), (_, body, body_turn) = latest["odometry"], latest["body"]
+    assert body == pytest.approx(0.1 + 0.2j)  # as the robot believes
+    assert where + rect(1, turn) * body == pytest.approx(1.5 + 0.7j)  # as the twin knows
+    assert rect(1, turn + body_turn) == pytest.approx(1)  # heading 90 looks along +x
 
 
 def test_decisions(exported):
