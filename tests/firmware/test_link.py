@@ -65,7 +65,7 @@ class Part:
     frames, errors, speed_faults = 1000, 2, 3
     fault = ""
     battery_low = lost = False
-    chips, uptime_ms, heap_free, worst_us, battery_mv = True, 5000, 60000, 4000, 7400
+    uptime_ms, heap_free, worst_us, battery_mv = 5000, 60000, 4000, 7400
     stops = told_v256 = 0
     n = 38
     frame_us = 77

@@ -74,6 +74,7 @@ class Drive:
     v256            estimate of the speed of the fastest wheel, V - 90 in 1/256, mean of the servo period that has begun
     turning         the robot stands, or is stopping, because its wheels have to swing
     aim             Steering of the angles the servos were told last; like `steering` another object after an update(), so do not keep it
+    restarts        how often the chips were set up: more than once, and they had been lost
     told_v256       likewise, what the motors were told last
     ok, fault       False, and why, while a chip does not answer: all outputs are off then
     """
@@ -91,11 +92,6 @@ class Drive:
     @property
     def fault(self):
         return self._outputs.fault
-
-    @property
-    def restarts(self):
-        """How often the chips were set up: more than once, and they had been lost."""
-        return self._outputs.restarts
 
     def command(self, af, ar, v):
         """Steer AF, AR (0.1 deg) and drive at V (0 .. 180, 90 stops). False, and the robot stops as it is steered, if a wheel cannot turn so far."""
@@ -177,8 +173,8 @@ class Drive:
         aim = self.aim
         outputs = self._outputs
         outputs.write(self._pointed or aim.angles, aim.shares, v256)
-        if self._restarts != outputs.restarts:
-            self._restarts = outputs.restarts
+        if self.restarts != outputs.restarts:
+            self.restarts = outputs.restarts
             self._doubt()
         self._estimate(periods)
         return True

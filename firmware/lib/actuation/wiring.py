@@ -84,7 +84,7 @@ def drive(self, steerings, outputs, config):
     self._outputs = outputs
     self._period_us = 1000000 // config.servos_frequency
     self._due = -1
-    self.af = self.ar = self.v256 = self.told_v256 = self._goal_v256 = self._restarts = 0
+    self.af = self.ar = self.v256 = self.told_v256 = self._goal_v256 = self.restarts = 0
     self.turning = True
     self._swinging = False  # the wheels were told to swing; turning without it: the robot still rolls
     self._delay = 0  # periods until the swing shows

@@ -98,7 +98,7 @@ def health(data, robot, dropped, refused, radio):
     """robot: as for the Link; radio: whether there is one; the counters are the link's."""
     data[_TYPE] = _HEALTH
     health, lidar = robot.health, robot.lidar
-    flags = lidar.ok | health.chips << 1 | radio << 2
+    flags = lidar.ok | robot.drive.ok << 1 | radio << 2
     pack_into(
         "<IIIHBBBIIIII", data, _AT, health.uptime_ms, health.heap_free, health.worst_us, health.battery_mv,
         lidar.speed20, flags, robot.safety.fault, lidar.frames, lidar.errors, lidar.speed_faults, dropped, refused,

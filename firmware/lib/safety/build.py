@@ -62,7 +62,7 @@ def health(self, drive, adc, config):
     self._adc = adc
     self._config = config
     self.battery_mv = 0
-    self.battery_low = self.lost = False
+    self.battery_low = self.lost = self.empty = False
     self.worst_us = 0
     self.heap_free = gc.mem_free()
     self.uptime_ms = 0

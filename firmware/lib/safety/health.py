@@ -21,22 +21,13 @@ class Health:
     worst_us        longest time between two checks in the last second or two
     heap_free       bytes, looked at seldom and only while the robot stands, because counting takes milliseconds
     uptime_ms       since the first check
-    chips           True while all PWM chips answer
+    empty           True from an empty battery on until it is charged: one whose wire comes off then is no better
     """
 
     def __init__(self, drive, adc, config):
         from safety.build import health
 
         health(self, drive, adc, config)
-
-    @property
-    def chips(self):
-        return self._drive.ok
-
-    @property
-    def empty(self):
-        """True from an empty battery on until it is charged: one whose wire comes off then is no better."""
-        return self._empty >= _EMPTY_READINGS
 
     def check(self, now_us):
         """Once a turn of the loop; returns what the turn before took, us. Allocates nothing."""
@@ -73,7 +64,7 @@ class Health:
         if reading < _LEAST_MV:
             self.lost = self.lost or self.battery_mv > 0
             self.battery_mv = 0
-            if self._empty < _EMPTY_READINGS:
+            if not self.empty:
                 self._empty = 0
             return
         self.lost = False
@@ -83,8 +74,10 @@ class Health:
         self.battery_low = self.battery_mv < self._config.battery_low
         if self.battery_mv < self._config.battery_empty:
             self._empty += 1
-        elif self.battery_mv >= self._config.battery_low or self._empty < _EMPTY_READINGS:
-            self._empty = 0  # an empty battery recovers a little at rest: it counts as empty until it is charged
+            self.empty = self.empty or self._empty >= _EMPTY_READINGS
+        elif self.battery_mv >= self._config.battery_low or not self.empty:
+            self._empty = 0
+            self.empty = False  # an empty battery recovers a little at rest: it counts as empty until it is charged
 
     def _millivolts(self):
         if self._calibrated:
