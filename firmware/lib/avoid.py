@@ -12,10 +12,6 @@ from planner.decision import COST_TO_GO, REST
 from steering import mode_of
 
 _NO_POINT = const(32767)
-_MANUAL = const(14)  # reasons.MANUAL
-_HAND_MM = const(20)  # kept by one who drives by hand
-_HAND_V = const(300)  # V - 90 for each mm of room, times the full speed in mm/s: what rolls out in 0.3 s, until a beam has seen it and the motors have stopped
-_CREEP = const(6)  # V - 90 with which it may go on as long as there is any room
 _NO_BLOCK = const(65535)
 _BLOCKED = const(17)  # reasons.BLOCKED
 
@@ -73,29 +69,6 @@ class Avoid:
         ways.block[plan.candidate] = _NO_BLOCK
         self.decision.stage = COST_TO_GO
         self._publish(1 if ways.frames & 7 == 0 else 0)
-
-    def by_hand(self, odometry, af, ar, v):
-        """How far V may lie from 90 for one who steers AF, AR (0.1 deg) and asks for V: as far as there is room to stop, by the candidate next to it."""
-        self.observe(odometry, _MANUAL, af, ar, v)
-        if v == 90:
-            return 0
-        back = 0
-        if v < 90:
-            af, ar, back = -ar, -af, 2
-        candidates = self.candidates
-        afs, ars = candidates.af, candidates.ar
-        least = 3600
-        for k in range(candidates.count):
-            right = abs(afs[k] - af) + abs(ars[k] - ar)
-            left = abs(afs[k] + af) + abs(ars[k] + ar)
-            if right < least:
-                least, best, mirroring = right, k, back
-            if left < least:
-                least, best, mirroring = left, k, back | 1
-        room = self.ways.free(mirroring, best) - _HAND_MM
-        if room < 0:
-            return 0
-        return max(room * _HAND_V // self.config.motors_full_speed, _CREEP)
 
     def _see(self, odometry):
         ways = self.ways

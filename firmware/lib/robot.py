@@ -89,8 +89,13 @@ class Robot:
         if not safety.check(now):
             self._stand(safety, seen)
         elif safety.state == telemetry.MANUAL:
-            if seen:
-                self._by_hand = most = avoid.by_hand(odometry, link.af, link.ar, link.v)
+            if self._hand is None:
+                drive.stop()  # loading takes longer than a turn
+                from planner.hand import by_hand
+
+                self._hand = by_hand
+            elif seen:
+                self._by_hand = most = self._hand(avoid, odometry, link.af, link.ar, link.v)
                 if abs(drive.told_v256) > most + _ABRUPT << 8:
                     drive.stop()  # slowing down as gently as it is done otherwise would take too long
             most = self._by_hand
@@ -149,6 +154,10 @@ class Robot:
         """Motors off, steering as it is; the surroundings are still looked at."""
         drive = self.drive
         drive.stop()
+        if self._hand is not None:
+            self._hand = None
+            self._by_hand = 0
+            forget("planner.hand")
         if seen:
             why = _FAULT if safety.fault else _START if safety.waiting else _STOPPED
             self.avoid.observe(self.odometry, why, drive.af, drive.ar, 90)

@@ -122,7 +122,7 @@ class Commands:
             self._heard_us = now_us
             if self.state == STOPPED and silence <= _SILENCE_US:
                 return False  # stopped by somebody else, or by its button, under a hand that has not noticed yet
-            if not self.safety.start(what):
+            if self.state != what and not self.safety.start(what):
                 return False
             self._hand = line
             self.af = af
