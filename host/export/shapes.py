@@ -25,6 +25,7 @@ _POINT_FIELDS = (("x", 0), ("y", 4), ("red", 8), ("green", 9), ("blue", 10), ("a
 _LEVELS = (Log.INFO, Log.WARNING, Log.ERROR)
 _HEIGHT = 0.1  # m, of the body in the picture
 _WALL = 0.02  # m
+_WHEEL = 0.065, 0.03, 0.065  # m, drawn
 
 
 def laser_scan(ranges: list[float], signals: list[float], x: float, y: float) -> LaserScan:
@@ -68,6 +69,18 @@ def body(width: float, length: float) -> SceneUpdate:
     _place(cube.pose, 0, 0)
     cube.size.x, cube.size.y, cube.size.z = length * frames.MM, width * frames.MM, _HEIGHT
     _paint(cube.color, 0.4, 0.5, 0.6, 0.7)
+    return scene
+
+
+def wheels(places: list[tuple[float, float]], angles: list[float]) -> SceneUpdate:
+    """Wheels at their places in the body (mm), each turned by its angle (degrees clockwise)."""
+    scene = SceneUpdate()
+    entity = scene.entities.add(id="wheels", frame_id="body", frame_locked=True)
+    for (x, y), angle in zip(places, angles):
+        cube = entity.cubes.add()
+        _place(cube.pose, *frames.body_point(x, y), frames.body_angle(angle))
+        cube.size.x, cube.size.y, cube.size.z = _WHEEL
+        _paint(cube.color, 0.1, 0.1, 0.1, 1)
     return scene
 
 

@@ -6,7 +6,7 @@
     /odometry      foxglove.PoseInFrame      where it thought it was, in the frame `odometry`
     /tf            foxglove.FrameTransform   one tree: world -> odometry -> body; world is left out where the true pose is not known
     /points        foxglove.PointCloud       the points of the windows, each in its window's colour
-    /scene         foxglove.SceneUpdate      the body, and the walls of a course of the twin
+    /scene         foxglove.SceneUpdate      the body, its wheels as they are turned, and the walls of a course of the twin
     /decision      gapseeker.decision        JSON, for plots: af, ar (deg), v, window, zone, free (mm), why in words, ...
     /wheels        gapseeker.wheels          JSON: ten angles (deg) and speeds (mm/s)
     /health        gapseeker.health          JSON
@@ -40,9 +40,10 @@ class Exporter:
         self._reasons = reasons
         self._true: tuple[float, float, float] | None = None  # the latest true pose, and the latest believed one
         self._believed: tuple[float, float, float] | None = None
+        self._places = wheel_places(robot.get("axles", {}))
         self._takers: dict[str, Callable] = {
             "truth": self._truth, "pose": self._odometry, "points": self._points, "scan": self._told_scan, "decision": self._decision,
-            "wheels": self._numbers, "health": self._numbers, "event": self._event, "text": self._event, "log": self._log,
+            "wheels": self._wheels, "health": self._numbers, "event": self._event, "text": self._event, "log": self._log,
             "world": self._world, "hello": self._hello, "names": self._names,
         }  # fmt: skip
 
@@ -90,6 +91,11 @@ class Exporter:
     def _numbers(self, moment, message):
         self._topics.write_json(message["type"], moment, message)
 
+    def _wheels(self, moment, message):
+        self._numbers(moment, message)
+        if len(self._places) == len(message["angles"]):
+            self._topics.write("/scene", moment, shapes.wheels(self._places, message["angles"]))
+
     def _event(self, moment, message):
         self._topics.write("/log", moment, shapes.log(0, message["text"]))
 
@@ -100,11 +106,28 @@ class Exporter:
         self._topics.write("/scene", moment, shapes.walls(message["walls"]))
 
     def _hello(self, moment, message):
+        self._places = wheel_places(message) or self._places
         if "width" in message and "length" in message:
             self.body(moment, message["width"], message["length"])
 
     def _names(self, moment, message):
         self._reasons = tuple(message["reasons"])
+
+
+def wheel_places(axles: dict) -> list[tuple[float, float]]:
+    """(x, y) in the body, mm, of the wheels, left and right of each axle from the front; [] where the axles are not told in full.
+
+    axles: the section of robot.json, or a HELLO, which names its keys alike.
+    """
+    spacings, track, first = (axles.get(name) for name in ("spacings", "track", "first"))
+    if not isinstance(spacings, list) or not all(isinstance(one, int | float) for one in (*spacings, track)):
+        return []
+    y = first if isinstance(first, int | float) else sum(spacings) / 2
+    places = []
+    for spacing in (0, *spacings):
+        y -= spacing
+        places += [(-track / 2, y), (track / 2, y)]
+    return places
 
 
 def export(reader: Reader, target: Path, lacks: list[str] | None = None) -> int:

@@ -135,6 +135,7 @@ class TwinLink(Link):
             return
         text = f"{result.result} after {result.time_s:.1f} s, least clearance {result.min_clearance_mm:.0f} mm, contacts {result.contacts}"
         text += f" ({result.reason})" if result.reason else ""
+        text += f"; {result.lost}" if result.lost else ""
         self._end(text + (f"; recorded, to replay it: {python()} -m host.replay {result.recording}" if result.recording else ""))
 
     def _send(self, data: bytes) -> None:

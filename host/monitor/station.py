@@ -146,6 +146,8 @@ class Station:
                 self._to_robot(link, do, what)
         except (AddressError, LinkError, recording.RecordingError) as error:
             raise ValueError(str(error)) from None
+        except OSError as error:  # a full disk, a folder that may not be read
+            raise ValueError(f"{do}: {error.strerror or error}") from None
         except (KeyError, TypeError) as error:
             raise ValueError(f"{do}: {error} is missing or wrong") from None
         return None

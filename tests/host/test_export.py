@@ -224,3 +224,20 @@ def test_points_of_the_body():
 def test_two_points_in_one_place_give_the_nearer():
     ranges, signals = scans.evenly(scans.Scan([10.0, 11.0, 200.0], [900.0, 500.0, 0.0], [5, 6, 0]))
     assert sorted(ranges) == [0.5, inf, inf] and max(signals) == 6
+
+
+def test_wheels_stand_where_the_robot_has_them():
+    from host.export.to_mcap import wheel_places
+
+    assert wheel_places({"spacings": [100, 200], "track": 230}) == [(-115, 150), (115, 150), (-115, 50), (115, 50), (-115, -150), (115, -150)]
+    assert wheel_places({"spacings": [100], "track": 200, "first": 80})[::2] == [(-100, 80), (-100, -20)]
+    assert wheel_places({}) == wheel_places({"spacings": [1], "track": None}) == []
+
+
+def test_wheels_are_seen_turned_to_their_angles():
+    from host.export import shapes
+
+    (entity,) = shapes.wheels([(-115, 150), (115, 150)], [30, 0]).entities
+    left, right = entity.cubes
+    assert (entity.frame_id, left.pose.position.x, left.pose.position.y) == ("body", pytest.approx(0.15), pytest.approx(0.115))
+    assert degrees_of(left.pose.orientation) == pytest.approx(-30) and degrees_of(right.pose.orientation) == pytest.approx(0)

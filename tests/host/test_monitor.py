@@ -484,3 +484,18 @@ def test_ctrl_c_with_a_page_open_says_nothing(tmp_path):
         _, error = child.communicate(timeout=20)
         page.close()
     assert (child.returncode, error) == (0, "")
+
+
+def test_a_disk_that_is_full_before_a_recording_is_said_and_the_page_stays(server, station, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    page = Page(server)
+    monkeypatch.setattr(recording.Writer, "write", full)
+    page.send({"do": "record"})
+    refused = page.get("refused")
+    assert (refused["do"], refused["text"]) == ("record", "record: No space left on device")
+    monkeypatch.undo()
+    page.send({"do": "drive", "what": "auto"})
+    assert until(lambda: station.link.drives())
+    page.close()
