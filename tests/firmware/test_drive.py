@@ -724,3 +724,15 @@ def test_where_a_tenth_of_a_degree_turns_a_wheel_far_the_robot_swings_standing()
     robot.drive.command(-899, -870, 108)
     robot.step()
     assert robot.drive.turning and robot.stands() and robot.drive.aim.af == -899
+
+
+def test_off_goes_on_to_the_chips_where_the_pin_refuses():
+    robot = _Robot().ready()
+
+    def refuse(level):
+        raise OSError
+
+    robot.enable.value = refuse
+    robot.bus.chips[LEFT].write = refuse
+    robot.drive.off()
+    assert not robot.bus.chips[RIGHT].running() and not robot.drive.ok

@@ -120,3 +120,14 @@ def test_checking_allocates_nothing():
             now += 50_000
     finally:
         micropython.heap_unlock()
+
+
+def test_the_heap_is_counted_while_it_stands_only():
+    health = make()
+    counted = health.heap_free = -1
+    health._drive.v256 = 100
+    run(health, 0, 21_000_000, 50_000)
+    assert health.heap_free == counted
+    health._drive.v256 = 0
+    health.check(21_000_000)
+    assert health.heap_free != counted

@@ -45,10 +45,10 @@ class Adc:
 class Bench:
     """A Safety with stand-ins for what it asks, and a clock."""
 
-    def __init__(self, button=None, adc=None, autostart=True, hung=False, start_us=0):
+    def __init__(self, button=None, adc=None, autostart=True, hung=False, start_us=0, trust=None):
         self.lidar, self.drive = Part(), Part()
         self.now = start_us
-        self.safety = Safety(self.lidar, self.drive, Health(self.drive, adc, Config), button and StopButton(button), None, autostart, hung)
+        self.safety = Safety(self.lidar, self.drive, Health(self.drive, adc, Config), button and StopButton(button), trust, autostart, hung)
 
     def run(self, ms, step_us=5000):
         """True if it may move at the end of so many ms."""
@@ -161,6 +161,45 @@ def test_a_low_battery_slows_and_an_empty_one_stops():
     assert bench.run(6000) and bench.safety.most < 45
     adc.microvolts = 2_030_000
     assert not bench.run(6000) and bench.safety.fault == faults.BATTERY
+
+
+class Trust:
+    """A ScanTrust."""
+
+    fault = 0
+    most = 90
+    alarm = False
+    cleared = 0
+
+    def clear(self):
+        self.cleared += 1
+        self.alarm = False
+
+
+def test_a_scan_that_is_not_trusted_stops_and_slows_it():
+    trust = Trust()
+    bench = Bench(trust=trust)
+    assert bench.run(10) and bench.safety.most == 90
+    trust.most = 6
+    assert bench.run(10) and bench.safety.most == 6
+    trust.fault = faults.SCAN
+    assert not bench.run(10) and bench.safety.fault == faults.SCAN
+    trust.fault = 0
+    assert bench.run(600)
+
+
+def test_an_alarm_of_the_motion_check_stays_until_a_person_starts_it():
+    trust = Trust()
+    bench = Bench(trust=trust)
+    bench.run(10)
+    trust.fault, trust.alarm = faults.NOTHING_MOVES, True
+    bench.run(10)
+    trust.fault, trust.alarm = 0, False
+    assert not bench.run(10_000) and bench.safety.fault == faults.NOTHING_MOVES
+    bench.safety.start(AUTO)
+    assert trust.cleared == 1
+    bench.run(600)
+    assert bench.run(5)
 
 
 def test_a_press_stops_at_once_and_a_long_one_of_a_standing_robot_starts_it():
@@ -301,6 +340,18 @@ def test_the_watchdog_wants_to_be_fed_every_second():
     robot.note[2] = 3
     robot.keep(robot.note)
     assert (machine.fed, machine.timeout, machine.kept) == (1, 1000, b"GS\3\0")
+
+
+def test_a_build_without_the_clocks_memory_is_watched_all_the_same():
+    class Without:
+        def __init__(self, machine):
+            self.WDT = machine.WDT
+
+    machine = Machine()
+    robot = Robot(machine)
+    begin(robot, Without(machine))
+    robot.feed()
+    assert machine.fed == 1
 
 
 def test_the_way_to_the_prompt_is_off_then_a_reset():

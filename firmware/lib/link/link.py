@@ -50,6 +50,8 @@ _NONCE = const(8)
 _SCANS_WANTED = const(1)  # flags of WATCH
 _CANDIDATES_WANTED = const(2)
 
+_DATAGRAMS = const(2)  # taken in a turn: checking a tag takes milliseconds
+_FRAMES = const(9)  # of the cable, likewise
 _STOP_BUTTON = const(1)  # of safety/faults.py
 _WAITING = const(6)  # lines of the log kept until there is room
 _QUIET_US = const(2_000_000)  # without a rare command: their module is let go
@@ -90,7 +92,9 @@ class Link(Commands):
         for line in self._carriers:
             line.update(now_us)
             idle = idle and line.idle()
-            while line.take(now_us):
+            most = _DATAGRAMS if line.signed else _FRAMES
+            while most and line.take(now_us):
+                most -= 1
                 genuine = self.obey(line, now_us, robot)
                 if genuine:
                     line.heard(now_us)
