@@ -62,7 +62,7 @@ def _execute(run, sources):
 def _break_off():
     """End the runs that are being driven; a second Ctrl-C does not wait for them."""
     print("\nending the runs that are at work; Ctrl-C once more leaves at once", file=sys.stderr, flush=True)
-    signal.signal(signal.SIGINT, lambda *_: os._exit(1))
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     for worker in multiprocessing.active_children():
         worker.terminate()
 
