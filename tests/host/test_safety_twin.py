@@ -150,3 +150,11 @@ def test_a_hand_does_not_drive_it_into_a_wall_and_can_back_out(v):
 def test_a_broken_robot_json_is_refused_and_the_last_good_one_offered():
     bench = drive(autostart=True, fault="oe-open-json@3", limit_s=5)
     assert b"cannot start: robot.json is not JSON" in bench.said and b"robot.json.good" in bench.said
+
+
+def test_nothing_fails_unseen_where_computing_takes_time():
+    """What is caught in the loop would else hide what is wrong with it."""
+    bench = Bench()
+    run("Z", 550, watch=bench, chip=1.0, record=False, limit_s=5)
+    kinds = {kind for kind, _, _ in whole_frames.decode(bench.said)}
+    assert bench.logs() == [] and {protocol.HEALTH, protocol.WHEELS, protocol.POINTS, protocol.DECISION} <= kinds

@@ -656,9 +656,9 @@ def _points(data, avoid, now_us):
 
 
 @_wraps(_TOLD_HEALTH, "link.messages:health")
-def _told_health(data, health, lidar, dropped, refused, radio):
+def _told_health(data, robot, dropped, refused, radio):
     enter()
-    out = _originals[_TOLD_HEALTH](data, health, lidar, dropped, refused, radio)
+    out = _originals[_TOLD_HEALTH](data, robot, dropped, refused, radio)
     leave(_TOLD_HEALTH, 0, 0)
     return out
 
