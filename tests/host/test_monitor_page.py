@@ -413,7 +413,6 @@ def test_after_power_up_it_waits_until_a_person_starts_it(monitor):
     assert "waiting for a start" in page.text("reason") and page.text("auto").startswith("Start")
     time.sleep(1)
     assert max(map(abs, page.speeds())) == 0
-    page.keep_screenshot("monitor-waiting.png")
     page.click("auto")
     assert page.until(lambda: page.text("state") == "auto" and max(page.speeds()) > 100)
     assert page.text("auto").startswith("Auto")
