@@ -13,6 +13,7 @@ from host.budget import fit
 from . import board, hello, image, keep, rescue, rom, tools
 from .chip import Chip, check_pins, remarks
 
+_DEFAULT = "the default"  # where a robot.json comes from
 KEY_FILE = "network.key"  # firmware/lib/link/auth.py
 
 
@@ -99,6 +100,8 @@ def _check_settings(job: Job) -> str:
     check_pins(job.chip, job.chosen)
     said = [job.origin, *remarks(job.chip, job.chosen)]
     if doubts := keep.doubts(job.chosen, (job.sources / build.SETTINGS).read_bytes()):
+        if job.origin == _DEFAULT:
+            raise FlashError(f"{job.sources / build.SETTINGS} {doubts}", "correct it, then run this again")
         said.append(f"but it {doubts}")
     said.append(_check_memory(job))
     if tables := build.put_tables(job.chosen, job.folder):
@@ -115,7 +118,7 @@ def _choose_settings(job: Job) -> None:
         job.chosen = copies[0].read_bytes()
         job.origin = f"restored from {copies[0]} (for the default, remove that file and robot.json on the board)"
     else:
-        job.chosen, job.origin = (job.sources / build.SETTINGS).read_bytes(), "the default"
+        job.chosen, job.origin = (job.sources / build.SETTINGS).read_bytes(), _DEFAULT
 
 
 def _check_memory(job: Job) -> str:

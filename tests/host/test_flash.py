@@ -619,3 +619,12 @@ def test_a_failure_is_told_with_its_remedy(capsys):
 )
 def test_remedies(said, told):
     assert told in tools.remedy(said)
+
+
+def test_a_default_robot_json_that_the_robot_would_refuse_is_not_written(connect, perform, sources):
+    (sources / "robot.json").write_text('{"avoid": {"margin": 900}}')
+    emulated = connect()
+    emulated.install()
+    with pytest.raises(FlashError, match=r"robot\.json .*avoid\.margin = 900"):
+        perform(flow.DEPLOY, emulated)
+    assert emulated.get("main.py") is None and emulated.get("robot.json") is None
