@@ -5,6 +5,7 @@ back; machine code, which has to lie in a part of it; and the drivers of radio a
 """
 
 import gc
+import sys
 
 from micropython import const
 
@@ -14,6 +15,8 @@ _POWER_ON = const(1)  # of machine.reset_cause()
 _WDT_RESET = const(3)
 _GOOD = const(".good")
 _BLOCK = const(64)
+
+_IMPORT_ONLY = const("__file__ __name__ const")  # what modules need for their import, and never again
 
 # What holds machine code, and stays: each with what it imports.
 _MACHINE_CODE = (
@@ -39,6 +42,7 @@ def build(note=None, path="robot.json"):
         raise
     _keep(path)
     unload("core.start", "safety.first")
+    _trim()
     gc.threshold(-1)  # from now on the loop allocates nothing
     _watch(robot)
     return robot
@@ -70,6 +74,18 @@ def _build(path, note):
     robot = _robot(config, avoid, lidar, drive, safety, health, link, screen_line)
     config.once = None
     return robot
+
+
+def _trim():
+    """Let the modules' tables of names shrink to what the robot needs, on the board only: a dict gives room back only when it is emptied."""
+    if sys.implementation.name == "micropython":
+        gone = _IMPORT_ONLY.split(" ")
+        for module in sys.modules.values():
+            names = module.__dict__
+            if "__file__" in names or "__path__" in names:  # no module of the interpreter's own
+                kept = [item for item in names.items() if item[0] not in gone]
+                names.clear()
+                names.update(kept)
 
 
 def _watch(robot):
