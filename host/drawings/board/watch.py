@@ -43,8 +43,8 @@ def _grid(decision):
     _kept["grid"] = {
         "cost": _hex(made.cost),
         "scratch": _hex(made.scratch),
-        "corner": [made.corner_x, made.corner_y],
-        "cell": made.cell,
+        "corner": [made.grid[0], made.grid[1]],
+        "cell": made.grid[2],
     }
 
 
