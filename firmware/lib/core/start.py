@@ -82,7 +82,7 @@ def _trim():
         gone = _IMPORT_ONLY.split(" ")
         for module in sys.modules.values():
             names = module.__dict__
-            if "__file__" in names or "__path__" in names:  # no module of the interpreter's own
+            if "__file__" in names and "__path__" not in names:  # neither one of the interpreter's own, nor a package: later imports from it need its names
                 kept = [item for item in names.items() if item[0] not in gone]
                 names.clear()
                 names.update(kept)
