@@ -178,8 +178,8 @@ def _take(buffer, state: ptr32) -> int:
 
 
 @micropython.viper
-def _unpack(state: ptr32, store: ptr8, distances: ptr16, bearings: ptr16, signals: ptr8):
-    """The points of the frame taken last into the three arrays.
+def _unpack(state: ptr32, store: ptr8, distances: ptr16, bearings: ptr16):
+    """The points of the frame taken last into the two arrays.
 
     Their bearings are summed up in 0.1 deg / 2**17, so that no point needs a division. A point without signal has no distance either.
     """
@@ -205,9 +205,7 @@ def _unpack(state: ptr32, store: ptr8, distances: ptr16, bearings: ptr16, signal
         if bearing == 3600:
             bearing = 0
         bearings[i] = bearing
-        signal = store[at]
-        signals[i] = signal
-        if signal:
+        if store[at]:
             distances[i] = (store[at + 1] << 8) | store[at + 2]
         else:
             distances[i] = 0
@@ -230,7 +228,6 @@ class Lidar:
       place         which frame of the revolution it is, 0..frames a revolution - 1
       bearings      array('H', 80), 0.1 deg clockwise from forward, 0..3599
       distances     array('H', 80), quarter mm, 0 = no return
-      signals       bytearray(80)
       frame_us      ticks_us at which the last point was measured
       period_us     duration of the frame, us
 
@@ -359,7 +356,7 @@ class Lidar:
         state[_HEARD] = 1
         state[_HEARD_US] = read_us
         self.n = state[_COUNT] = size // 3
-        _unpack(state, store, self.distances, self.bearings, self.signals)
+        _unpack(state, store, self.distances, self.bearings)
         self.frames = (self.frames + 1) & _COUNTER
         if good < _TRUST_FRAMES:
             state[_GOOD] = good = good + 1

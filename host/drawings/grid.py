@@ -25,15 +25,19 @@ def masks(robot, path):
     half_width, half_length = robot.size
     cell = half_length / 6
     table = footprint_masks(2 * half_width, 2 * half_length, robot.candidates.margin, half_length * 2 * 8 // 12)
-    high = len(table) // (2 * 4 * TURNS)
+    shapes = TURNS // 2 + 1  # of the others there are mirror images
+    high = len(table) // (2 * 4 * shapes)
+    table = np.frombuffer(bytes(table), np.uint8).astype(int).reshape(4, shapes, high, 2)
     reach = high // 2
     figure, grid = style.page(9.6, 3.1, 4)
     for axes, t in zip(grid, (0, 2, 4, 9), strict=True):
-        rows = np.frombuffer(bytes(table), np.uint8).astype(int).reshape(4, TURNS, high, 2)[0, t]
+        mirrored = t >= shapes
+        rows = table[1, TURNS - t] if mirrored else table[0, t]
         for row in range(high):
             for (mask, colour), zorder in zip(((rows[row, 0], "#f0c987"), (rows[row, 1], style.RED)), (2, 3), strict=True):
                 if mask != _NOTHING:
                     first, last = (mask >> 4) - 8, (mask & 15) - 8
+                    first, last = (-last, -first) if mirrored else (first, last)
                     boxes = [Bbox.from_bounds((column - 0.5) * cell, (row - reach - 0.5) * cell, cell, cell) for column in range(first, last + 1)]
                     squares = Path.make_compound_path(*(Path.unit_rectangle().transformed(BboxTransformTo(box)) for box in boxes))
                     axes.add_patch(PathPatch(squares, facecolor=colour, edgecolor="white", linewidth=0.6, zorder=zorder))

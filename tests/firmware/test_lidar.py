@@ -90,12 +90,12 @@ def turn(frames=16, **kw):
 
 
 def read(data, config=Config, most=4096):
-    """(lidar, frames) after all of data was read; a frame is (bearings, distances, signals)."""
+    """(lidar, frames) after all of data was read; a frame is (bearings, distances)."""
     lidar = Lidar(Uart(data, most), None, config)
     frames = []
     while lidar.poll(1000):
         n = lidar.n
-        frames.append((list(lidar.bearings[:n]), list(lidar.distances[:n]), list(lidar.signals[:n])))
+        frames.append((list(lidar.bearings[:n]), list(lidar.distances[:n])))
     return lidar, frames
 
 
@@ -111,16 +111,15 @@ def paced(lidar, uart, frames, now=0, period=PERIOD):
 
 def test_vendor_example_gives_47_points():
     lidar, frames = read(frame_bytes(FRAME_A))
-    bearings, distances, signals = frames[0]
+    bearings, distances = frames[0]
     assert len(frames) == 1 and len(distances) == 47 and lidar.speed20 == 130
     assert bearings[:4] == [2700, 2705, 2710, 2714] and bearings[46] == 2920
     assert distances[:4] == [0, 8506, 9080, 0] and distances[46] == 24114
-    assert signals[1] == 70 and signals[46] == 94
 
 
 def test_nominal_frame_of_38_points():
     lidar, frames = read(frame_bytes(FRAME_B))
-    bearings, distances, signals = frames[0]
+    bearings, distances = frames[0]
     assert len(distances) == 38 and lidar.speed20 == 123
     for n in range(38):
         assert distances[n] == (4 * (800 + 13 * n) + 1 if n % 7 else 0)
@@ -156,7 +155,7 @@ def test_length_that_fits_no_point_is_left_out():
 
 def test_empty_frame_and_80_points():
     _, frames = read(make_frame(0, ()) + make_frame(2250, [(i, 1) for i in range(80)]))
-    assert frames[0] == ([], [], [])
+    assert frames[0] == ([], [])
     assert frames[1][1] == list(range(80)) and max(frames[1][0]) == (225 * 2 * 80 - 225 + 40) // 80
 
 

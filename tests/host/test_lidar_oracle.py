@@ -50,7 +50,7 @@ def ours(data):
     frames = []
     while lidar.poll(0):
         n = lidar.n
-        frames.append((lidar.speed20 / 20, list(zip(lidar.bearings[:n], lidar.distances[:n], lidar.signals[:n]))))
+        frames.append((lidar.speed20 / 20, list(zip(lidar.bearings[:n], lidar.distances[:n]))))
     return frames
 
 
@@ -64,8 +64,7 @@ def test_same_frames_as_lds2d(seed):
     for (speed, points), (their_speed, their_points) in zip(found, expected):
         assert speed == pytest.approx(their_speed)
         assert len(points) == len(their_points)
-        for (bearing, distance, signal), point in zip(points, their_points):
+        for (bearing, distance), point in zip(points, their_points):
             apart = (bearing / 10 - point.angle_deg + 180) % 360 - 180
             assert abs(apart) <= 0.0501
             assert abs(distance / 4 - point.dist_mm) <= 0.5
-            assert signal == point.quality

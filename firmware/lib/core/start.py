@@ -82,8 +82,9 @@ def _trim():
         gone = _IMPORT_ONLY.split(" ")
         for module in sys.modules.values():
             names = module.__dict__
-            if "__file__" in names and "__path__" not in names:  # neither one of the interpreter's own, nor a package: later imports from it need its names
-                kept = [item for item in names.items() if item[0] not in gone]
+            package = "__path__" in names  # later imports from it need its names
+            if package or "__file__" in names:  # no module of the interpreter's own
+                kept = [item for item in names.items() if package or item[0] not in gone]
                 names.clear()
                 names.update(kept)
 

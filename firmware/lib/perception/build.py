@@ -25,7 +25,6 @@ def lidar(self, uart, motor_pwm, config):
     self.ok = False
     self.bearings = array("H", bytes(2 * _MAX_POINTS))
     self.distances = array("H", bytes(2 * _MAX_POINTS))
-    self.signals = bytearray(_MAX_POINTS)
     self._store = bytearray(_STORE)
     self._chunk = bytearray(_CHUNK)
     frames = config.lidar_frames

@@ -15,6 +15,8 @@ _KNEE = const(216)  # of costs: see propagate.py
 _TRAIL = const(120)  # points of the trail
 _VISITS = const(40)  # a revisit cost rises no further
 _EMPTY = const(0xF0)  # footprint mask without a column
+_SHAPES = const(7)  # orientations that have masks: the others are their mirror images
+_MIRROR = const(0x110)  # less both columns, exchanged: the mask the other way round
 _MARGIN = const(8)  # cells round the grid from which points reach into it
 
 # Fields of the job.
@@ -85,6 +87,8 @@ def close(first: int, job: ptr32, seen: ptr32, closed: ptr32, near: ptr32, masks
         mask     0 0 1 1 1 0 0 0         column 8 is the point's
         row      . . . . . . . . . . . . columns 0.. are the grid's
 
+    Beyond 90 degrees the masks serve mirrored, from the last but one back: those of the half cell on the other side.
+
     Stops after `most` points that count. Returns the first point not looked at.
     """
     edge = job[_CELL] * _MARGIN
@@ -105,7 +109,9 @@ def close(first: int, job: ptr32, seen: ptr32, closed: ptr32, near: ptr32, masks
         if seen[i] & m:
             continue
         seen[i] = seen[i] | m
-        s = (((y & 1) << 1) + (x & 1)) * (2 * _TURNS) * high
+        phase = ((y & 1) << 1) + (x & 1)
+        step = high + high
+        s = phase * _SHAPES * step
         x = x >> 1
         left = 0
         right = 16 - x
@@ -125,21 +131,28 @@ def close(first: int, job: ptr32, seen: ptr32, closed: ptr32, near: ptr32, masks
         most -= 1
         t = 0
         while t < _ROWS:
+            if t == _SHAPES * _N:
+                s = ((phase ^ 1) * _SHAPES + _SHAPES - 2) * step
+                step = 0 - step
             i = s + lost + lost
             row = t + y
             end = t + top
             while row < end:
                 m = masks[i]
                 if m != _EMPTY:
+                    if step < 0:
+                        m = _MIRROR - ((m & 15) << 4) - (m >> 4)
                     m = (2 << (m & 15)) - (1 << (m >> 4))
                     near[row] = near[row] | (((m << left) >> right) & _ALL)
                     m = masks[i + 1]
                     if m != _EMPTY:
+                        if step < 0:
+                            m = _MIRROR - ((m & 15) << 4) - (m >> 4)
                         m = (2 << (m & 15)) - (1 << (m >> 4))
                         closed[row] = closed[row] | (((m << left) >> right) & _ALL)
                 i += 2
                 row += 1
-            s += high + high
+            s += step
             t += _N
     return first
 

@@ -5,6 +5,7 @@ from math import cos, pi, sin
 from micropython import const
 
 _TURNS = const(12)
+_SHAPES = const(7)
 _EMPTY = const(0xF0)
 
 
@@ -12,7 +13,7 @@ def masks(width, length, margin, cell):
     """bytearray: which poses a point closes, for cost_grid.py to lay on its rows.
 
     width, length, margin: mm; cell: 1/8 mm. A point stands in the middle of one of the four half cells of a place; for each of them, each
-    orientation and each row of the grid from `reach` below the point to `reach` above it, two bytes: first column << 4 | last column, 8 being the
+    orientation from 0 to 90 degrees (the others mirror them) and each row of the grid from `reach` below the point to `reach` above it, two bytes: first column << 4 | last column, 8 being the
     point's own; 0xF0 for none. The first is of poses whose full outline, with the margin, covers the point, the second of those whose outline made smaller
     does. Poses in which a point comes into the outline proper are expensive; closed are only those in which it comes well into it, or narrow passages
     would close on the grid.
@@ -20,11 +21,11 @@ def masks(width, length, margin, cell):
     full = width * 4 + margin * 8, length * 4 + margin * 8
     small = width * 4 - cell * 3 // 10, length * 4 - cell * 6 // 10
     reach = int((full[0] * full[0] + full[1] * full[1]) ** 0.5 / cell + 0.25)
-    table = bytearray(2 * 4 * _TURNS * (2 * reach + 1))
+    table = bytearray(2 * 4 * _SHAPES * (2 * reach + 1))
     at = 0
     for phase in range(4):
         across = (phase & 1) * 0.5 - 0.25
-        for t in range(_TURNS):
+        for t in range(_SHAPES):
             s = sin(t * pi / _TURNS)
             c = cos(t * pi / _TURNS)
             for row in range(-reach, reach + 1):

@@ -8,7 +8,7 @@ from core.unload import unload
 from perception.windows import BAND_MM
 
 _ARC_STRIDE = const(8)  # candidates.py
-_TURNS = const(12)  # cost_to_go.py
+_SHAPES = const(7)  # cost_grid.py
 _ROWS = const(312)
 _PLACES = const(676)
 _STATES = const(8112)
@@ -57,7 +57,7 @@ def cost_to_go(self, config):
     self._marks = view[4 * _ROWS : 6 * _ROWS]
     self._revisit = view[6 * _ROWS :]
     radius = config.robot_width * 4 + cell // 2  # of what the trail makes expensive
-    self.grid = array("i", (0, 0, cell, radius, len(self._masks) // (16 * _TURNS)))  # of cost_grid.py
+    self.grid = array("i", (0, 0, cell, radius, len(self._masks) // (16 * _SHAPES)))  # of cost_grid.py
     self._wave = array("i", (0, 0, 0, 0, 0, shift, 20, 16, 4, 0) if config.mode == "AWS" else (0, 0, 0, 0, 0, shift, 24, 16, 6, 1))  # of propagate.py
     self._trail = array("H", bytes(2 * 2 * _TRAIL))  # x, y
     self._laid = 0  # points of it so far

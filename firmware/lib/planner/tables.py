@@ -23,7 +23,7 @@ from core.unload import unload
 
 PATH = "tables.bin"
 TYPES = ("hhHHBHiHH", "BHH")  # of the arrays of each part; B: a bytearray
-_VERSION = const(7)  # to be raised whenever a table comes to mean something else, or is made otherwise
+_VERSION = const(8)  # to be raised whenever a table comes to mean something else, or is made otherwise
 _HEAD = const(12)
 _LARGEST = const(16384)  # bytes of one array: a damaged file must not ask for all memory
 
