@@ -188,6 +188,7 @@ class Line:
 def make(signed=False, key=KEY, others=()):
     line = Line(signed)
     requests.Settings = Settings
+    sys.modules["link.requests"] = requests  # a link before may have let it go
     robot = Robot()
     robot.tuned = Settings.tuned = []
     link = Link(Config(), b'{"firmware": "1"}', Encoder(), [line] + list(others), SESSION, robot.safety, key and Signer(key))
@@ -393,7 +394,7 @@ def test_names_are_told_to_who_asks():
 
 
 def test_what_finds_no_memory_is_said_and_the_robot_goes_on():
-    def no_room(now_us, robot):
+    def no_room(now_us, robot, name=""):
         raise MemoryError
 
     link, line, robot = make()

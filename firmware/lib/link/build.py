@@ -41,7 +41,7 @@ def set_up_link(self, config, identity, encoder, carriers, session, safety, sign
     self._turn = config.lidar_frames  # of the lidar; told at the start only
     self._watched = self._scan = None  # the module, while wanted; its ScanGatherer
     self._wanted = self._side = 0
-    self._rare = None  # the module requests.py
+    self._rare = None  # name of the module that is loaded for a rare command
     self._rare_us = 0
 
 

@@ -24,7 +24,7 @@ _REFUSED = const(1)
 
 
 class Commands:
-    """Takes commands in and holds what they ask for. The Link adds rare(now_us, robot), the module requests.py, and watch(flags, robot).
+    """Takes commands in and holds what they ask for. The Link adds rare(now_us, robot), the module requests.py, loaded, and watch(flags, robot).
 
     config: the Config that is tuned; session: the random bytes of this boot; signer: auth.Signer of the network key, or None, in which case no signed
     command is ever accepted. safety: Safety, which lets it drive, or not.

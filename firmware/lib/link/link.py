@@ -15,6 +15,7 @@ One message is under way at a time. What is told again and again tells the lates
 together that would take too long.
 """
 
+import sys
 from struct import pack_into
 from time import ticks_diff
 
@@ -120,9 +121,8 @@ class Link(Commands):
             elif not hears:
                 self._encoder.seal(self._unsealed)
                 self._unsealed = _SEALED
-        if self._rare is not None and ticks_diff(now_us, self._rare_us) > _QUIET_US and self.listing < 0:
-            self._rare = None
-            forget("link.requests", "params.settings")
+        if self._rare is not None and ticks_diff(now_us, self._rare_us) > _QUIET_US:
+            self._let_go()
         if self.restarting and ticks_diff(now_us, self._rare_us) > _RESTART_US:
             try:
                 self.rare(now_us, robot).restart(robot)
@@ -134,15 +134,21 @@ class Link(Commands):
         for line in self._carriers:
             line.close()
 
-    def rare(self, now_us, robot):
-        if self._rare is None:
+    def rare(self, now_us, robot, name="link.requests"):
+        if self._rare != name:
+            self._let_go()
             robot.drive.stop()  # loading takes tens of milliseconds, in which nobody looks ahead
-            from link import requests
-
-            self._rare = requests
+            __import__(name)
+            self._rare = name
             robot.feed()  # what follows has its whole second again
         self._rare_us = now_us
-        return self._rare
+        return sys.modules[name]
+
+    def _let_go(self):
+        """One rare module at a time: what they take is counted by the largest."""
+        if self._rare is not None:
+            forget(self._rare)
+            self._rare = None
 
     def watch(self, flags, robot):
         if flags & (_SCANS_WANTED | _CANDIDATES_WANTED):
@@ -230,9 +236,11 @@ class Link(Commands):
             return messages.text(_LOG, data, 1, text)
         if self._names_due:
             self._names_due = False
-            return self.rare(now_us, robot).names(data, robot)
+            length = self.rare(now_us, robot, "link.reason_texts").names(data)
+            self._let_go()
+            return length
         if self.listing >= 0:
-            length, total = self.rare(now_us, robot).parameter(data, self.config, self.listing)
+            length, total = self.rare(now_us, robot, "link.listing").parameter(data, self.config, self.listing)
             self.listing = self.listing + 1 if self.listing + 1 < total else -1
             return length
         return 0

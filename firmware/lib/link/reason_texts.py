@@ -2,6 +2,12 @@
 
 import json
 
+from micropython import const
+
+from link import messages
+
+_NAMES = const(0x0C)
+
 # By the numbers of reasons.py
 REASONS = (
     "waiting for the lidar",
@@ -46,6 +52,13 @@ FAULTS = (
 )
 
 
-def names():
-    """All of them as the JSON of the message NAMES, bytes."""
-    return json.dumps({"reasons": REASONS, "faults": FAULTS}).encode()
+def names(data):
+    """All of them as NAMES into the encoder's data, one after the other; returns its length."""
+    length = 0
+    between = '{"reasons": ['
+    for texts in (REASONS, FAULTS):
+        for what in texts:
+            length = messages.text(_NAMES, data, length, (between + json.dumps(what)).encode())
+            between = ", "
+        between = '], "faults": ['
+    return messages.text(_NAMES, data, length, b"]}")

@@ -1,19 +1,19 @@
-"""Commands that are given now and then: change a parameter, keep, list, point a wheel, restart. Loaded when the first comes, let go after."""
+"""Commands that are given now and then: change a parameter, keep, point a wheel, restart. Loaded when the first comes, let go after."""
 
 import json
 import struct
 
 from micropython import const
 
-from link import messages
-from params.settings import NEXT_START, Settings
+from core.unload import forget
+from params.settings import Settings
 
-_PARAMETER = const(0x07)
+forget("params.settings")  # what has been taken from it stays
+
 _TUNE = const(0x42)
 _KEEP = const(0x43)
 _POINT = const(0x46)
 _RESTART = const(0x48)
-_NAMES = const(0x0C)
 _AUTO = const(1)
 _MANUAL = const(2)
 
@@ -74,31 +74,3 @@ def restart(robot):
 
     robot.off()
     machine.reset()
-
-
-def parameter(data, config, number):
-    """PARAMETER number `number` into the encoder's data: those of config.live, then the servos' trims. Returns (length, how many there are)."""
-    live = len(config.live)
-    total = live + 2 * config.axles
-    if number < live:
-        name = config.live[number]
-        key = name.replace("_", ".", 1)
-        low, high = config.limits[2 * number], config.limits[2 * number + 1]
-        value = getattr(config, name)
-    else:
-        wheel = number - live
-        key, low, high = "servos.trims.%d" % wheel, -20, 20
-        value = config.servos_trims[wheel] / 10
-    row = {"key": key, "value": value, "low": low, "high": high, "number": number, "of": total, "restart": key in NEXT_START}
-    return messages.text(_PARAMETER, data, 0, json.dumps(row).encode()), total
-
-
-def names(data, robot):
-    """NAMES into the encoder's data; returns its length."""
-    robot.drive.stop()  # as before everything that is loaded
-    from core.unload import forget
-    from link.reason_texts import names
-
-    length = messages.text(_NAMES, data, 0, names())
-    forget("link.reason_texts")
-    return length

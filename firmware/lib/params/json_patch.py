@@ -3,6 +3,7 @@
 The file is never in memory as a whole: it goes through a small block into a new file beside it, which then takes its place.
 """
 
+import json
 import os
 
 from micropython import const
@@ -17,8 +18,8 @@ _OPEN = const(0x7B)
 _CLOSE = const(0x7D)
 
 
-def keep(path, changed):
-    """changed: {key as "avoid.margin": its value as JSON}; a key or group that is not in the file yet is added.
+def keep(path, changed, trims=()):
+    """changed: {key as "avoid.margin": its value}; a key or group that is not in the file yet is added. trims: of all wheels (0.1 deg), written out if one was changed.
 
     OSError if the file cannot be written, ValueError if it is not JSON; the old file is whole then.
     """
@@ -28,12 +29,23 @@ def keep(path, changed):
         with open(path, "rb") as source, open(part, "wb") as target:
             text = _Text(source, target)
             text.write(text.space())
-            _members(text, "", dict(changed))
+            _members(text, "", _as_json(changed, trims))
             text.write("\n")
     except ValueError:
         os.remove(part)
         raise ValueError("robot.json on the board is not JSON any more")
     os.rename(part, path)
+
+
+def _as_json(changed, trims):
+    """{key: its value as JSON}."""
+    found = {}
+    for key, value in changed.items():
+        if key.startswith("servos.trims."):
+            # A single trim may stand for all wheels; written out, each can have its own.
+            key, value = "servos.trims", [trim / 10 if trim % 10 else trim // 10 for trim in trims]
+        found[key] = json.dumps(value)
+    return found
 
 
 class _Text:

@@ -1,12 +1,6 @@
 """What a person changes while the robot runs, and keeps: live parameters and servo trims."""
 
-import gc
-import json
-
 from core.unload import unload
-
-# The planner's tables are made for these: new ones would take seconds, in which the robot stands.
-NEXT_START = ("avoid.margin", "avoid.soft_margin", "windows.look_ahead")
 
 
 class Settings:
@@ -32,11 +26,12 @@ class Settings:
         self._drive.stop()  # loading the code for it takes longer than a turn of the loop may
         try:
             from params.change import change
+            from params.next_start import NEXT_START
 
             change(self._config, key, value)
         finally:
             change = None
-            unload("params.change", "params.values")
+            unload("params.change", "params.values", "params.next_start")
         self._changed[key] = value
         return "counts from the next start: keep it, then restart" if key in NEXT_START else ""
 
@@ -51,17 +46,10 @@ class Settings:
         The robot stands meanwhile.
         """
         self._drive.stop()
-        gc.collect()  # room in one piece, for the text of the file
-        changed = {}
-        for key, value in self._changed.items():
-            if key.startswith("servos.trims."):
-                # A single trim may stand for all wheels; written out, each can have its own.
-                key, value = "servos.trims", [trim / 10 if trim % 10 else trim // 10 for trim in self._config.servos_trims]
-            changed[key] = json.dumps(value)
         try:
             from params.json_patch import keep
 
-            keep(self._path, changed)
+            keep(self._path, self._changed, self._config.servos_trims)
         except OSError as error:
             raise ValueError("%s cannot be written: %s" % (self._path, error)) from None
         finally:
