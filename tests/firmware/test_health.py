@@ -23,8 +23,8 @@ class Adc:
         return self.microvolts
 
 
-def make(adc=None):
-    return Health(Part(), adc, Config)
+def make(adc=None, drive=None):
+    return Health(drive or Part(), adc, Config)
 
 
 def run(health, start, stop, step=5000):
@@ -123,11 +123,12 @@ def test_checking_allocates_nothing():
 
 
 def test_the_heap_is_counted_while_it_stands_only():
-    health = make()
+    drive = Part()
+    health = make(None, drive)
     counted = health.heap_free = -1
-    health._drive.v256 = 100
+    drive.v256 = 100
     run(health, 0, 21_000_000, 50_000)
     assert health.heap_free == counted
-    health._drive.v256 = 0
+    drive.v256 = 0
     health.check(21_000_000)
     assert health.heap_free != counted
