@@ -69,35 +69,42 @@ class Screen:
         self._ready_us = ticks_add(now_us, max(least_us, 2 * len(command) * self._byte_us))
 
     def _compose(self, line, robot, link):
-        avoid, health = robot.avoid, robot.health
+        avoid = robot.avoid
         if line == 0:
             self._put(_STATES[link.state])
-            self._put(b"  mode ")
-            self._put_number(avoid.mode)
-            self._put(b"  free ")
-            self._put_number(avoid.free)
-            self._put(b" mm")
+            self._fill(b"  mode #  free # mm", avoid.mode, avoid.free, 0)
         elif line == 1:
-            self._put(b"AF ")
-            self._put_tenths(avoid.af)
-            self._put(b"  AR ")
-            self._put_tenths(avoid.ar)
-            self._put(b"  V ")
-            self._put_number(avoid.v)
+            self._fill(b"AF ~  AR ~  V #", avoid.af, avoid.ar, avoid.v)
         elif line == 2:
             self._put_text(avoid.why)
         elif line == 3:
-            self._put_number(max(avoid.points_count, 0))
-            self._put(b" points, lidar ")
-            self._put_number(robot.lidar.speed20 * 3)
-            self._put(b" rpm")
+            self._fill(b"# points, lidar # rpm", max(avoid.points_count, 0), robot.lidar.speed20 * 3, 0)
         elif robot.safety.fault:
             self._put(b"! ")
             self._put_text(self._first_fault + robot.safety.fault)
         else:
-            self._put(b"battery ")
-            self._put_tenths(health.battery_mv // 100)
-            self._put(b" V")
+            self._fill(b"battery ~ V", robot.health.battery_mv // 100, 0, 0)
+
+    def _fill(self, form, value, second, third):
+        """Append a form with the next of the values for each #, and a tenth of it, with one decimal, for each ~."""
+        for byte in form:
+            if byte != 0x23 and byte != 0x7E:
+                self._put_byte(byte)
+                continue
+            if value < 0:
+                self._put_byte(0x2D)
+                value = -value
+            least = 1 if byte == 0x23 else 10  # of two digits, if one is behind the point
+            power = least
+            while value // power >= 10:
+                power *= 10
+            while power:
+                if power * 10 == least:
+                    self._put_byte(0x2E)
+                self._put_byte(0x30 + value // power % 10)
+                power //= 10
+            value = second
+            second = third
 
     def _put(self, what, start=0, end=None):
         """Append bytes, as far as the line reaches."""
@@ -113,26 +120,6 @@ class Screen:
     def _put_text(self, number):
         """Append a text of reason_texts.py."""
         self._put(self._texts, self._ends[number - 1] if number else 0, self._ends[number])
-
-    def _put_number(self, value):
-        if value < 0:
-            self._put_byte(0x2D)
-            value = -value
-        power = 1
-        while value // power >= 10:
-            power *= 10
-        while power:
-            self._put_byte(0x30 + value // power % 10)
-            power //= 10
-
-    def _put_tenths(self, value):
-        """Append value / 10 with one decimal."""
-        if value < 0:
-            self._put_byte(0x2D)
-            value = -value
-        self._put_number(value // 10)
-        self._put_byte(0x2E)
-        self._put_byte(0x30 + value % 10)
 
     def _listen(self, link):
         count = self._uart.readinto(self._input)
