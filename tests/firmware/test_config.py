@@ -96,6 +96,7 @@ def test_refusals_name_the_key_its_value_and_what_is_allowed():
         ({"windows": {"red": 100}}, "windows.red = 100: it must not exceed windows.blue = 45"),
         ({"lidar": {"bauds": 1}}, "unknown key lidar.bauds: lidar has uart, rx, baud,"),
         ({"lidars": {"baud": 1}}, "unknown key lidars: robot.json has mode, robot, axles,"),
+        ({"wifi": {"password": "short"}}, 'wifi.password = "*****": 8 to 63 characters, or none for an open network'),
         ([], "robot.json must hold one object, { ... }"),
     ):
         answer = _refusal(values)
@@ -110,6 +111,19 @@ def test_text_that_is_no_json_is_refused_with_its_line():
             assert "line %d " % line in str(error), (text, error)
         else:
             assert False, text
+
+
+def test_a_file_far_too_large_is_refused_unread():
+    path = "too_large.json"
+    with open(path, "w") as file:
+        file.write(" " * 20000)
+    try:
+        load(path)
+        assert False
+    except ConfigError as error:
+        assert "larger than" in str(error)
+    finally:
+        os.remove(path)
 
 
 def test_tuning_is_checked_and_counted():

@@ -655,6 +655,8 @@ def test_no_output_enable_pin():
     drive = Drive(lay_out(config.axles_spacings, config.axles_track), *chips, None, config)
     drive.update(0)
     assert drive.ok and bus.chips[SERVOS].count(0) == 307
+    drive.off()  # without the pin, each chip by itself
+    assert not drive.ok and not any(chip.running() for chip in bus.chips.values())
 
 
 def test_nothing_is_allocated_while_driving():
