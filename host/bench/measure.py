@@ -146,6 +146,6 @@ def play(what, tape, robot, board, firmware, *extra, said=b"", tables=None):
             raise BenchError(f"the firmware was not through with {tape.name} after {LIMIT_S} s") from None
         if done.returncode or not log.exists():
             said = (done.stdout + done.stderr).decode(errors="replace")
-            trace = said[said.rfind("Traceback") :].strip() if "Traceback" in said else f"it ended with code {done.returncode}"
+            trace = said[said.rfind("Traceback") :].strip() if "Traceback" in said else f"it ended with code {done.returncode}\n{said[-300:]}".strip()
             raise BenchError(f"the firmware did not get through {tape.name}:\n{trace}")
         return log.read_bytes()

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 import struct
 import tempfile
 from concurrent.futures import ProcessPoolExecutor
@@ -82,7 +83,9 @@ def _record(course, folder, firmware):
     robot = json.dumps(load_config(mode=course.get("mode"), changes={**starting(image.FIRMWARE), **(course.get("changes") or {})}))
     if not target.with_suffix(".done").exists():
         with tempfile.TemporaryDirectory() as scratch:
-            run(**{"limit_s": LIMIT_S, **course}, firmware=firmware, record=Path(scratch) / "run.rec")
+            # Computing takes no time where the tape is played, either: else the robot would decide before what it drove on the tape, and see that it does
+            # not move as told.
+            run(**{"limit_s": LIMIT_S, **course}, firmware=firmware, chip=math.inf, record=Path(scratch) / "run.rec")
             batches, decisions, inputs = _read(Path(scratch) / "run.rec")
         wire = json.loads(robot)["lidar"]
         _write(target.with_suffix(".tape"), inputs, wire, batches)

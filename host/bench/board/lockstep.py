@@ -111,13 +111,13 @@ def read(address, buffer, count):
 def acknowledges(address):
     """True when a device answers at the I2C address."""
     if address < 60:
-        return (_inputs[1] >> address) & 1
-    return (_inputs[2] >> (address - 60)) & 1
+        return _bit(8, address)
+    return _bit(16, address - 60)
 
 
 def level(gpio):
-    """Level of an input pin."""
-    return (_inputs[0] >> gpio) & 1
+    """Level of an input pin. The loop asks for the stop button's in every turn."""
+    return _bit(0, gpio)
 
 
 def adc():
@@ -142,6 +142,11 @@ def _load():
     _batch[2] = 0
     _batch[3] = at + 16
     _at = at + 16 + _batch[1]
+
+
+def _bit(at, number):
+    """A bit of the 64-bit word of the tape, without the long integer that the word would be."""
+    return _tape[at + (number >> 3)] >> (number & 7) & 1
 
 
 def _word(at):

@@ -31,6 +31,7 @@ class Meter:
         self._pending = [[] for _ in range(_DEPTH)]
         self._began = [0] * _DEPTH
         self._depth = 0
+        self._left = 0  # the method that ended last
         self._frozen = False
         charge.enter, charge.resume, charge.done, charge.leave = self.enter, self.resume, self.done, self.leave
 
@@ -41,6 +42,9 @@ class Meter:
         carried = 0
         if self._depth == 0:
             carried, self._own[0] = self._own[0], 0
+        elif self._depth == _DEPTH - 1:
+            print("a charged method has raised an exception again and again, which the robot's loop has survived, soon after", charge.names[self._left])
+            raise SystemExit(1)
         self._depth += 1
         self._own[self._depth] = carried
         self._began[self._depth] = lockstep.now
@@ -56,6 +60,7 @@ class Meter:
 
     def leave(self, number, a, b):
         """A row for this call; those of the calls inside it that wait to hear in which stage they were get their answer."""
+        self._left = number
         if not self._frozen:
             self._own[self._depth] += self._count()
         self._frozen = False

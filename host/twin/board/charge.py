@@ -273,6 +273,8 @@ _CANDIDATES = const(45)
 _SCAN = const(46)
 _GATHER = const(47)
 _LINE_CHECK = const(48)
+_TRUST = const(49)
+_SAFETY = const(50)
 
 
 @_wraps(_CONFIG, "params.config:Config.__init__")
@@ -571,9 +573,9 @@ def _screen(self, now_us, robot, link):
 
 
 @_wraps(_BUILD, "core.start:build")
-def _build(*arguments):
+def _build(note=None, path="robot.json"):
     enter()
-    out = _originals[_BUILD](*arguments)
+    out = _originals[_BUILD](note, path)
     leave(_BUILD, 0, 0)
     settle()
     return out
@@ -693,6 +695,21 @@ def _line_check(data, start, end):
     _composed = 1
     out = _originals[_LINE_CHECK](data, start, end)
     leave(_LINE_CHECK, end - start, 0)
+    return out
+
+
+@_wraps(_TRUST, "perception.scan_trust:ScanTrust.frame")
+def _trust(self, lidar, odometry, v256):
+    enter()
+    _originals[_TRUST](self, lidar, odometry, v256)
+    leave(_TRUST, lidar.n, 0)
+
+
+@_wraps(_SAFETY, "safety.safety:Safety.check")
+def _safety(self, now_us):
+    enter()
+    out = _originals[_SAFETY](self, now_us)
+    leave(_SAFETY, 0, 0)
     return out
 
 
