@@ -22,7 +22,7 @@ from planner.cost_grid import close, cover, fill, seed
 from planner.propagate import propagate
 
 _POINTS = const(26)  # closed in one slice
-_WORK = const(940)  # propagated in one slice
+_WORK = const(880)  # propagated in one slice
 _N = const(26)
 _TURNS = const(12)
 _ROWS = const(312)
