@@ -21,7 +21,7 @@ from planner import heading_branch
 from planner.cost_grid import close, cover, fill, seed
 from planner.propagate import propagate
 
-_POINTS = const(26)  # closed in one slice
+_POINTS = const(20)  # closed in one slice
 _WORK = const(880)  # propagated in one slice
 _N = const(26)
 _TURNS = const(12)

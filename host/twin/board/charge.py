@@ -46,7 +46,7 @@ _read = 0  # bytes taken in from it in this turn
 _composed = 0  # 1 when a line for the screen was composed in this turn
 _slice = 0  # of the cost to go: 0 lays the grid, 1 the trail; others close it, or let costs spread
 _closed = 0  # points that it has closed poses for
-_SLICE = const(26)  # closed at a time
+_SLICE = const(20)  # closed at a time
 
 
 def settle():
