@@ -12,7 +12,7 @@ COLLECT = 1000000  # a collection of garbage, or a question for the size of the 
 # {method: (a call, each of its first kind of work in 16ths, each of its second in 16ths)}
 OF = {
     "params.config:Config.__init__": (2210057, 0, 0),
-    "avoid:Avoid.__init__": (345650, 1166930960, 0),
+    "avoid:Avoid.__init__": (345650, 1062353360, 0),
     "actuation.drive:Drive.__init__": (393225, 0, 0),
     "robot:Robot.step": (16468, 103672, 0),
     "perception.odometry:Odometry.advance": (2440, 288442, 0),
