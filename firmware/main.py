@@ -5,18 +5,22 @@ from time import sleep_ms
 
 sys.path.append("/lib")
 
-from safety import first
 
-first.stop()  # whatever a former life left turning
-note = first.load()
-robot = None
+def start():
+    """The Robot, or None where a person has asked for the prompt. What only the start needs goes with this function's frame."""
+    from safety import first
 
-if note != first.PROMPT:
+    first.stop()  # whatever a former life left turning
+    note = first.load()
+    if note == first.PROMPT:
+        return None
     from core.start import build
 
-    robot = build(note)
-    del build  # with it goes the code that only the start needs
-del first
+    return build(note)
+
+
+robot = start()
+del start
 
 try:
     while robot is not None:
