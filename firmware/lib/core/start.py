@@ -9,7 +9,7 @@ import sys
 
 from micropython import const
 
-from core.unload import unload
+from core.unload import forget, unload
 
 _POWER_ON = const(1)  # of machine.reset_cause()
 _WDT_RESET = const(3)
@@ -61,7 +61,7 @@ def _build(path, note):
     servos, left, right, enable = devices.chips(once)
     motor, button, adc, doubt = devices.inputs(once)
     devices = None
-    unload("core.devices", "link.wifi")
+    forget("core.devices", "link.wifi")
     for name in _MACHINE_CODE:  # as early, and it is the largest part
         __import__(name)
     avoid = _avoid(config)  # its tables are the largest objects: they come while the heap is still in one piece
@@ -154,7 +154,7 @@ def _drive(config, servos, left, right, enable):
     axles = lay_out(once["axles_spacings"], once["axles_track"], once["axles_first"])
     drive = Drive(axles, servos, left, right, enable, config)
     lay_out = None
-    unload("actuation.wiring", "core.axles")
+    forget("actuation.wiring", "core.axles")
     return drive
 
 
@@ -165,7 +165,7 @@ def _link(config, safety, wlan, remark):
 
     link = start_link(config, machine, safety, wlan, remark)
     start_link = None
-    unload("link.start", "link.build", "core.version")
+    forget("link.start", "link.build", "core.version")
     return link
 
 
@@ -179,7 +179,7 @@ def _trust(config):
     from perception.scan_trust import ScanTrust
 
     trust = ScanTrust(config)
-    unload("perception.build")
+    forget("perception.build")
     return trust
 
 
@@ -221,5 +221,5 @@ def _robot(config, avoid, lidar, drive, safety, health, link, screen_line):
         screen = Screen(screen_line, config.screen_kind, config.screen_baud)
         unload("link.reason_texts", "link.screen_dialects")
     robot = Robot(config, avoid, lidar, drive, safety, health, link, screen)
-    unload("safety.build")
+    forget("safety.build")
     return robot

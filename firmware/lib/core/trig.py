@@ -7,7 +7,7 @@ import micropython
 from micropython import const
 
 from core import sines
-from core.unload import unload
+from core.unload import forget
 
 _RIGHT = const(900)
 _HALF_TURN = const(1800)
@@ -19,7 +19,7 @@ _TURN = const(3600)
 # COARSE_SIN: in steps of 2 deg, * 2**30 - 1, rounded; steering.py finds what lies between.
 SIN, COARSE_SIN = sines.tables()
 del sines
-unload("core.sines")
+forget("core.sines")
 
 
 @micropython.viper

@@ -1,6 +1,6 @@
 """The parameters of the robot while it runs. What robot.json may say is checked by parse.py, at the start only."""
 
-from core.unload import unload
+from core.unload import forget
 
 
 class Config:
@@ -26,7 +26,7 @@ class Config:
 
         self.changes = 0
         fill(self, {} if values is None else values)
-        unload("params.parse", "params.schema", "params.values")
+        forget("params.parse", "params.schema", "params.values")
 
     def __getattr__(self, name):
         if self.once is None or name not in self.once:
