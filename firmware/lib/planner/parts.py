@@ -4,7 +4,7 @@ from array import array
 
 from micropython import const
 
-from core.unload import unload
+from core.unload import forget
 from perception.windows import BAND_MM
 
 _ARC_STRIDE = const(8)  # candidates.py
@@ -24,7 +24,7 @@ def _tables(config, part):
 
     found = tables.load(config, part)
     tables = None
-    unload("planner.tables")
+    forget("planner.tables")
     return found
 
 
