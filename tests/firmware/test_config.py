@@ -91,6 +91,7 @@ def test_refusals_name_the_key_its_value_and_what_is_allowed():
         ({"motors": {"left": "left"}}, 'motors.left = "left": an address 0x40 .. 0x7f but not 0x70 is needed'),
         ({"pins": {"battery": 33}}, "pins.battery = 33: already the pin of pins.output_enable"),
         ({"pins": {"stop_button": 6}}, "pins.stop_button = 6: null or a GPIO 0 .. 39 is needed, not 1, 3 (USB) or 6 .. 11 (flash)"),
+        ({"lidar": {"rx": None}}, "lidar.rx = null: a GPIO is needed"),
         ({"pins": {"output_enable": 34}}, "pins.output_enable = 34: null or a GPIO 0 .. 33 is needed, not 1, 3 (USB) or 6 .. 11 (flash)"),
         ({"screen": {"kind": "nextion", "uart": 2}}, "screen.uart = 2: already the UART of the lidar"),
         ({"windows": {"red": 100}}, "windows.red = 100: it must not exceed windows.blue = 45"),
