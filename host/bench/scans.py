@@ -85,7 +85,7 @@ def _record(course, folder, firmware):
         with tempfile.TemporaryDirectory() as scratch:
             # Computing takes no time where the tape is played, either: else the robot would decide before what it drove on the tape, and see that it does
             # not move as told.
-            run(**{"limit_s": LIMIT_S, **course}, firmware=firmware, chip=math.inf, record=Path(scratch) / "run.rec")
+            run(**{"limit_s": LIMIT_S, "chip": math.inf, **course}, firmware=firmware, record=Path(scratch) / "run.rec")
             batches, decisions, inputs = _read(Path(scratch) / "run.rec")
         wire = json.loads(robot)["lidar"]
         _write(target.with_suffix(".tape"), inputs, wire, batches)

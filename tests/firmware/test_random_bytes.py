@@ -111,8 +111,10 @@ def commands(signed, seed):
         if k % 7 == 0:
             data[random.number(len(data))] = random.number(256)
         line.receive(bytes(data))
+        now = k * 3_000_000
         for turn in range(6):
-            link.update(k * 60_000 + turn * 10_000, robot)
+            link.update(now + turn * 10_000 & 0x3FFFFFFF, robot)
+        link.update(now + 2_500_000 & 0x3FFFFFFF, robot)  # what was loaded for a rare command is let go
         line.used = 0
         assert link.state in (0, 1, 2) and -900 <= link.af <= 900 and -900 <= link.ar <= 900 and 0 <= link.v <= 180
 
