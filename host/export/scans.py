@@ -9,6 +9,7 @@ from lidar import Lidar
 from params.config import Config
 
 QUARTER_MM = 0.25
+_MEASUREMENT = b"\x61\xad"  # in a frame's header, before the number of parameter bytes
 
 
 @dataclass
@@ -21,11 +22,19 @@ class Scan:
     began: float | None = None
 
 
+def _distances(points: bytearray) -> bytes:
+    """The distances among a frame's points (1 byte of signal strength, 2 of distance each), bytes as sent."""
+    kept = bytearray(points)
+    del kept[::3]
+    return bytes(kept)
+
+
 class _Wire:
     """Recorded bytes as the UART the parser reads."""
 
     def __init__(self):
         self.waiting = b""
+        self._read = bytearray()
 
     def any(self) -> int:
         return len(self.waiting)
@@ -33,8 +42,24 @@ class _Wire:
     def readinto(self, buffer) -> int:
         count = min(len(buffer), len(self.waiting))
         buffer[:count] = self.waiting[:count]
+        self._read += self.waiting[:count]
         self.waiting = self.waiting[count:]
         return count
+
+    def signals(self, distances: list[int]) -> list[int]:
+        """Signal strengths of the frame that the parser just took, known by its distances (quarter mm): the firmware itself has no use for them."""
+        wanted = b"".join(b"%c%c" % (distance >> 8, distance & 255) for distance in distances)
+        size = 3 * len(distances)
+        at = self._read.find(_MEASUREMENT)
+        while at >= 0:
+            # Behind the header and speed, offset and start angle; the Delta-2D has an end angle besides.
+            for begin in (at + 9, at + 11):
+                points = self._read[begin : begin + size]
+                if len(points) == size and _distances(points) == wanted:
+                    del self._read[: begin + size]
+                    return list(points[::3])
+            at = self._read.find(_MEASUREMENT, at + 1)
+        return [0] * len(distances)
 
 
 class ScanReader:
@@ -58,7 +83,7 @@ class ScanReader:
                 scan.began = record.time_us / 1e6
             scan.bearings += [bearing / 10 for bearing in lidar.bearings[: lidar.n]]
             scan.distances += [distance * QUARTER_MM for distance in lidar.distances[: lidar.n]]
-            scan.signals += lidar.signals[: lidar.n]
+            scan.signals += self._wire.signals(list(lidar.distances[: lidar.n]))
             self._count += 1
             if self._count == self._frames:
                 yield scan

@@ -241,3 +241,15 @@ def test_wheels_are_seen_turned_to_their_angles():
     left, right = entity.cubes
     assert (entity.frame_id, left.pose.position.x, left.pose.position.y) == ("body", pytest.approx(0.15), pytest.approx(0.115))
     assert degrees_of(left.pose.orientation) == pytest.approx(-30) and degrees_of(right.pose.orientation) == pytest.approx(0)
+
+
+def test_a_scan_has_the_signals_that_the_lidar_sent(tmp_path):
+    from host.recording import Reader
+
+    reader = scans.ScanReader(ROBOT)
+    found = [scan for record in Reader(write(tmp_path / "a.rec")) if record.stream == Stream.LIDAR for scan in reader.take(record)]
+    assert len(found) == 2
+    for scan in found:
+        assert len(scan.signals) == len(scan.distances) > 100
+        assert all((signal == 50) == (distance > 0) for signal, distance in zip(scan.signals, scan.distances, strict=True))
+        assert 0 < sum(distance > 0 for distance in scan.distances) < len(scan.distances)

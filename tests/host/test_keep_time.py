@@ -26,7 +26,7 @@ def test_keeping_everything_that_can_be_tuned_is_one_short_piece(monkeypatch, tm
     robot = tmp_path / "robot.json"
     robot.write_bytes((image.FIRMWARE / "robot.json").read_bytes())
     monkeypatch.chdir(tmp_path)
-    changed = {row[0]: "12" for row in schema.rows(schema.LIVE)}
+    changed = {row[0]: 12 for row in schema.rows(schema.LIVE)}
     names["keep"]("robot.json", changed)
     took = costs.us(instructions()) / 1000
     print(f"keep: {took:.0f} ms at {costs.CLOCK_MHZ} MHz for {robot.stat().st_size} bytes")
