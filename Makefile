@@ -33,8 +33,8 @@ demo: $(READY)  ## drive the Z course, 550 mm wide, in the digital twin
 	@mkdir -p out
 	@$(RUN) -m host.twin Z --width 550 --picture out/demo.png
 
-test: $(READY)  ## run all tests
-	@$(RUN) -m pytest
+test: $(READY)  ## run all tests, a file at a time on each core
+	@$(RUN) -m pytest -n auto --dist loadfile
 
 lint: $(READY)  ## look over the sources: ruff and mypy
 	@$(VENV)/bin/ruff check
