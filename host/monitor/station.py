@@ -9,9 +9,10 @@ from host import recording
 from host.link import AddressError, LinkError, connect, parse
 from host.link.base import Link
 
-from . import recordings
+from . import commands, recordings
 from .recorder import LinkRecorder
 
+# What those who come later are told too: the latest of each of these types.
 LATEST = ("hello", "names", "world", "health", "decision", "points", "wheels", "pose", "truth", "scan", "candidates", "playback", "ended")
 
 RECORDINGS = Path("out")  # where a page records, and the only folder from which it opens recordings
@@ -140,10 +141,14 @@ class Station:
                 self.stop_recording()
             elif do == "play" and hasattr(link, "seek"):
                 self._play(link, what)
+            elif do in commands.HERE:
+                return commands.HERE[do](self, what)
             elif link is None or not link.commands:
                 raise ValueError("nothing to command: this is a recording")
+            elif do in commands.TO_ROBOT:
+                commands.TO_ROBOT[do](link, what)
             else:
-                self._to_robot(link, do, what)
+                raise ValueError(f"{do!r} is not known")
         except (AddressError, LinkError, recording.RecordingError) as error:
             raise ValueError(str(error)) from None
         except OSError as error:  # a full disk, a folder that may not be read
@@ -179,24 +184,6 @@ class Station:
         if scheme == "twin" and (other := [name for name in options if name not in PAGE_OPTIONS]):
             raise AddressError(f"twin option {other[0]!r} can be given on the command line only; a page may give {', '.join(PAGE_OPTIONS)}")
         return address
-
-    def _to_robot(self, link: Link, do, what: dict) -> None:
-        if do == "drive":
-            link.drive(what["what"], float(what.get("af", 0)), float(what.get("ar", 0)), float(what.get("v", 90)))
-        elif do == "tune":
-            link.tune(str(what["key"]), what["value"])
-        elif do == "keep":
-            link.keep()
-        elif do == "list":
-            link.request_parameters()
-        elif do == "watch":
-            link.watch(bool(what.get("scan")), bool(what.get("candidates")))
-        elif do == "restart":
-            link.restart()
-        elif do == "point":
-            link.point(int(what["wheel"]), float(what["angle"]))
-        else:
-            raise ValueError(f"{do!r} is not known")
 
     @staticmethod
     def _play(link, what: dict) -> None:

@@ -67,6 +67,10 @@ class Monitor:
         self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", element)
         element.click()
 
+    def tab(self, name):
+        """Open one of the panels."""
+        self.click(f"tab-{name}")
+
     def until(self, condition, seconds=20.0):
         end = time.monotonic() + seconds
         while time.monotonic() < end:
@@ -171,6 +175,7 @@ def test_a_parameter_is_tuned_and_comes_back_from_the_robot(monitor):
     assert before != "22" and page.until(lambda: page.browser.execute_script(changed))
     # It counts from the next start, which the page offers; the robot comes back with what was kept.
     notice = page.browser.find_element("id", "next-start")
+    page.tab("tune")
     assert page.until(notice.is_displayed)
     page.click("keep-restart")
     assert page.until(lambda: not notice.is_displayed() and page.browser.find_elements("id", "parameter-avoid.margin"), 15)
@@ -363,6 +368,7 @@ def test_a_run_that_is_over_says_so_and_offers_another_course(monitor):
 def test_a_bad_address_is_explained_beside_it_and_the_robot_stays(monitor):
     page = monitor("twin:z?width=620")
     assert page.until(lambda: page.text("state") == "auto")
+    page.tab("record")
     where = page.browser.find_element("id", "where")
     for address, says in (("twin:z?width=20", "260 to 3000"), ("twin:q", "courses are"), ("robot", "no address"), ("file:nothing.rec", "cannot read")):
         where.clear()
@@ -379,9 +385,11 @@ def test_keep_says_what_was_kept_and_the_twin_drives_with_it_again(monitor):
     assert page.until(lambda: page.browser.find_elements("id", "parameter-avoid.margin"))
     cruise = "const one = document.getElementById('parameter-drive.cruise'); one.value = 112; one.dispatchEvent(new Event('input'))"
     page.browser.execute_script(cruise)
+    page.tab("tune")
     page.click("keep")
     assert page.until(lambda: page.text("kept"), 5)
     assert "drive.cruise 112" in page.text("kept") and "out/twin/robot.json" in page.text("kept")
+    page.tab("record")
     page.click("again")
     value = "return document.getElementById('parameter-drive.cruise')?.value"
     assert page.until(lambda: "config=" in page.text("address") and page.browser.execute_script(value) == "112")
@@ -390,6 +398,7 @@ def test_keep_says_what_was_kept_and_the_twin_drives_with_it_again(monitor):
 def test_a_recording_is_saved_linked_and_listed(monitor):
     page = monitor("twin:z?width=620")
     assert page.until(lambda: page.speeds() and max(page.speeds()) > 100)
+    page.tab("record")
     page.click("record")
     time.sleep(2)
     page.click("record")

@@ -1,7 +1,5 @@
 // A canvas as sharp as the screen, drawn in CSS pixels.
 
-export const COLOURS = ["#7d8a96", "#3ecf6e", "#ff5a52", "#4d9dff", "#f4c542"]; // by window: none, green, red, blue, yellow
-
 export function prepare(canvas) {
   const ratio = window.devicePixelRatio || 1;
   const width = canvas.clientWidth, height = canvas.clientHeight;

@@ -1,15 +1,16 @@
 // Strip charts of the last 30 seconds.
 
 import { line, prepare } from "./canvas.js";
+import { colours } from "./theme.js";
 
 const SPAN = 30;
 const WRAP = 2 ** 30 / 1e6; // the robot's clock starts over after this, s
 const STRIPS = [
-  { name: "AF", unit: "°", of: (d) => d.af, low: -90, high: 90, colour: "#5ab0ff", zero: 0 },
-  { name: "AR", unit: "°", of: (d) => d.ar, low: -90, high: 90, colour: "#b18cff", zero: 0 },
-  { name: "V", unit: "", of: (d) => d.v, low: 60, high: 120, colour: "#3ecf6e", zero: 90 },
-  { name: "decision", unit: " ms", of: (d) => d.took, low: 0, high: null, colour: "#f4c542", zero: 0 },
-  { name: "free", unit: " mm", of: (d) => d.free, low: 0, high: null, colour: "#ff8a65", zero: 0 },
+  { name: "AF", unit: "°", of: (d) => d.af, low: -90, high: 90, zero: 0 },
+  { name: "AR", unit: "°", of: (d) => d.ar, low: -90, high: 90, zero: 0 },
+  { name: "V", unit: "", of: (d) => d.v, low: 60, high: 120, zero: 90 },
+  { name: "decision", unit: " ms", of: (d) => d.took, low: 0, high: null, zero: 0 },
+  { name: "free", unit: " mm", of: (d) => d.free, low: 0, high: null, zero: 0 },
 ];
 
 export class Charts {
@@ -49,15 +50,15 @@ export class Charts {
       const low = Math.min(strip.low, ...values);
       const high = strip.high === null ? Math.max(10, ...values) * 1.1 : Math.max(strip.high, ...values);
       const y = (value) => bottom - (value - low) / (high - low) * (bottom - top);
-      pen.strokeStyle = "#252c32";
+      pen.strokeStyle = colours.line;
       pen.lineWidth = 1;
       line(pen, [{ x: left, y: y(strip.zero) }, { x: right, y: y(strip.zero) }]);
-      pen.strokeStyle = strip.colour;
+      pen.strokeStyle = colours.text;
       pen.lineWidth = 1.5;
       line(pen, rows.map((row, k) => ({ x: right - (end - row.time) / SPAN * (right - left), y: y(values[k]) })));
-      pen.fillStyle = "#96a1ab";
+      pen.fillStyle = colours.faint;
       pen.fillText(strip.name, 6, top + 11);
-      pen.fillStyle = strip.colour;
+      pen.fillStyle = colours.text;
       const now = values[values.length - 1];
       pen.fillText((Number.isInteger(now) ? now : now.toFixed(1)) + strip.unit, 6, top + 27);
     });

@@ -14,7 +14,7 @@ export class Dials {
       const { needle, text } = this.dials[k];
       const speed = wheels.speeds[k];
       needle.setAttribute("transform", `rotate(${angle} 20 20)`);
-      needle.setAttribute("fill", Math.abs(speed) < 3 ? "#8c98a3" : speed > 0 ? "#3ecf6e" : "#ffb04d");
+      needle.setAttribute("fill", Math.abs(speed) < 3 ? "var(--faint)" : "var(--edge)");
       text.textContent = `${angle.toFixed(1)}°  ${Math.round(speed)} mm/s`;
     });
   }
@@ -27,7 +27,7 @@ export class Dials {
       const svg = document.createElementNS(SVG, "svg");
       svg.setAttribute("viewBox", "0 0 40 40");
       const ring = document.createElementNS(SVG, "circle");
-      Object.entries({ cx: 20, cy: 20, r: 18, fill: "none", stroke: "#343c43", "stroke-width": 2 }).forEach(([n, v]) => ring.setAttribute(n, v));
+      Object.entries({ cx: 20, cy: 20, r: 18, fill: "none", stroke: "var(--line)", "stroke-width": 2 }).forEach(([n, v]) => ring.setAttribute(n, v));
       const needle = document.createElementNS(SVG, "rect");
       Object.entries({ x: 15, y: 5, width: 10, height: 30, rx: 3 }).forEach(([n, v]) => needle.setAttribute(n, v));
       svg.append(ring, needle);

@@ -8,12 +8,15 @@ import { Live } from "./live.js";
 import { HeadUp } from "./map.js";
 import { Motion } from "./motion.js";
 import { Over } from "./over.js";
+import { Panels } from "./panels.js";
 import { Player } from "./player.js";
 import { Recordings } from "./recordings.js";
+import { colours, onTheme } from "./theme.js";
 import { Tune } from "./tune.js";
 import { World } from "./world.js";
 
 const get = (id) => document.getElementById(id);
+const pressed = (id) => get(id).getAttribute("aria-pressed") === "true";
 const SILENT_MS = 2000;
 
 // The latest message of each type, by its type; and the parameters.
@@ -39,12 +42,20 @@ const hand = new Hand(state, send, stop, auto);
 let heard = 0;
 let session = null;
 let changed = true;
+const redraw = () => { changed = true; };
 
-const KEPT = ["hello", "names", "world", "health", "decision", "points", "wheels", "pose", "truth", "scan", "playback"];
+// What the modules of further panels get: see panels.js.
+const page = { state, send, redraw, colours, say: (text) => health.say(text) };
+const panels = new Panels(page, state);
+Object.assign(map, { panels });
+Object.assign(world, { panels });
+
+// What is told once for each side, parameter or occasion is kept elsewhere, or not at all.
+const PASSING = ["connected", "candidates", "parameter", "reply", "refused", "log", "text", "event", "recording", "recordings", "jump", "ended"];
 
 const HEAR = {
   connected(message) {
-    for (const kind of [...KEPT, "candidates"]) delete state[kind];
+    for (const kind of Object.keys(state)) if (kind !== "parameter") delete state[kind];
     state.parameters = {};
     tune.clear();
     world.clear();
@@ -121,8 +132,9 @@ const HEAR = {
 };
 
 const live = new Live((message) => {
-  if (KEPT.includes(message.type)) state[message.type] = message;
+  if (!PASSING.includes(message.type)) state[message.type] = message;
   HEAR[message.type]?.(message);
+  panels.hear(message);
   heard = performance.now();
   changed = true;
 }, () => {
@@ -152,16 +164,37 @@ get("manual").onclick = manual;
 get("keep").onclick = () => send({ do: "keep" });
 get("keep-restart").onclick = () => tune.restart(true);
 get("restart").onclick = () => tune.restart(false);
-for (const id of ["scan", "candidates"]) {
-  get(id).onchange = () => {
-    if (!get(id).checked) delete state[id];
-    watch();
+// Switches are buttons: the space bar, which turns a tick box, stops the robot here.
+for (const id of ["scan", "candidates", "legend"]) {
+  get(id).onclick = () => {
+    get(id).setAttribute("aria-pressed", !pressed(id));
+    if (id === "legend") get("legend-box").hidden = !pressed(id);
+    else if (!pressed(id)) delete state[id];
+    if (id !== "legend") watch();
+    redraw();
   };
 }
 
 function watch() {
-  if (state.commands) send({ do: "watch", scan: get("scan").checked, candidates: get("candidates").checked });
+  if (state.commands) send({ do: "watch", scan: pressed("scan"), candidates: pressed("candidates") });
 }
+
+// Which map is seen where there is room for one.
+for (const [view, title] of [["robot", "Round the robot"], ["world", "From above"]]) {
+  const button = document.createElement("button");
+  Object.assign(button, { type: "button", textContent: title });
+  button.setAttribute("role", "radio");
+  button.setAttribute("aria-checked", view === "robot");
+  button.onclick = () => {
+    get("stage").dataset.view = view;
+    for (const one of get("views").children) one.setAttribute("aria-checked", one === button);
+    redraw();
+  };
+  get("views").append(button);
+}
+
+// Elements that the arrow keys belong to.
+const ARROWS = "input, select, [role=tab], [role=img]";
 
 addEventListener("keydown", (event) => {
   const writing = event.target.matches("input:not([type=range]):not([type=checkbox]), select");
@@ -171,7 +204,7 @@ addEventListener("keydown", (event) => {
     if (!event.repeat) stop();
   } else if (writing || event.ctrlKey || event.metaKey || event.altKey || !state.commands || state.ended) {
     return;
-  } else if (hand.key(event.code, true)) {
+  } else if (!event.target.matches(ARROWS) && hand.key(event.code, true)) {
     event.preventDefault();
   } else if (event.code === "KeyA") {
     auto();
@@ -236,5 +269,7 @@ function draw() {
   words();
   requestAnimationFrame(draw);
 }
-addEventListener("resize", () => { changed = true; });
+const sized = new ResizeObserver(redraw);
+for (const id of ["map", "world", "charts"]) sized.observe(get(id));
+onTheme(redraw);
 draw();

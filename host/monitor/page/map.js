@@ -1,9 +1,8 @@
 // The map, head up: what the robot sees, what it means to do, and what stops it.
 
-import { COLOURS, line, polygon, prepare } from "./canvas.js";
+import { line, polygon, prepare } from "./canvas.js";
 import { bodyOf, carry, corners, firstHit, pose, sweep, twist, wheels, zones } from "./geometry.js";
-
-const NONE = "#7d8a96";
+import { colours, faded } from "./theme.js";
 
 export class HeadUp {
   constructor(canvas, state, motion) {
@@ -32,6 +31,7 @@ export class HeadUp {
     this.points(pen);
     this.body(pen, body);
     this.block(pen);
+    this.panels?.draw("drawRobot", pen, { pixel: this.pixel });
   }
 
   // The points as the robot would see them from where it is now.
@@ -44,7 +44,7 @@ export class HeadUp {
 
   rings(pen) {
     pen.lineWidth = this.pixel;
-    pen.strokeStyle = "#252c32";
+    pen.strokeStyle = colours.faintLine;
     for (const radius of [500, 1000, 1500]) {
       pen.beginPath();
       pen.arc(0, 0, radius, 0, 2 * Math.PI);
@@ -59,12 +59,12 @@ export class HeadUp {
       pen.strokeRect(-w - margin, -l - margin, body.width + 2 * margin, body.length + 2 * margin);
     };
     pen.lineWidth = this.pixel;
-    frame(this.state.parameter("windows.red", 20), "#ff5a5255");
-    frame(this.state.parameter("windows.blue", 45), "#4d9dff55");
+    frame(this.state.parameter("windows.red", 20), faded(colours.red, .4));
+    frame(this.state.parameter("windows.blue", 45), faded(colours.blue, .4));
     const side = this.state.parameter("windows.side", 300);
     const back = (this.state.decision?.v ?? 90) < 90;
     pen.setLineDash([8 * this.pixel, 6 * this.pixel]);
-    pen.strokeStyle = "#f4c54244";
+    pen.strokeStyle = faded(colours.yellow, .4);
     pen.strokeRect(-w - side, back ? -l - ahead : -l, body.width + 2 * side, body.length + ahead);
     pen.setLineDash([]);
   }
@@ -75,9 +75,9 @@ export class HeadUp {
       const acts = decision && decision.zone === number;
       pen.beginPath();
       polygon(pen, zone);
-      pen.fillStyle = acts ? COLOURS[decision.window] + "aa" : "#ffffff06";
+      pen.fillStyle = acts ? faded(colours.windows[decision.window], .6) : "transparent";
       pen.fill();
-      pen.strokeStyle = "#ffffff14";
+      pen.strokeStyle = colours.faintLine;
       pen.stroke();
     });
   }
@@ -93,12 +93,12 @@ export class HeadUp {
     if (!distance) return;
     pen.beginPath();
     for (const outline of sweep(body, decision.af, decision.ar, distance)) polygon(pen, outline);
-    pen.fillStyle = "#5ab0ff26";
+    pen.fillStyle = faded(colours.chosen, .16);
     pen.fill("nonzero");
     // Tracks of the corners: paper A, equation 18, as corrected.
     const t = twist(body, decision.af, decision.ar);
     pen.lineWidth = 1.5 * this.pixel;
-    pen.strokeStyle = "#5ab0ffcc";
+    pen.strokeStyle = colours.chosen;
     for (const corner of corners(body)) {
       line(pen, Array.from({ length: 25 }, (_, i) => carry(corner, pose(t, distance * i / 24))));
     }
@@ -110,9 +110,9 @@ export class HeadUp {
     for (const { t, way, backward, point } of this.judged.ways) {
       const lead = corners(body).slice(...(backward ? [2, 4] : [0, 2]));
       pen.lineWidth = this.pixel;
-      pen.strokeStyle = "#ff8a6538";
+      pen.strokeStyle = faded(colours.refused, .25);
       for (const corner of lead) line(pen, Array.from({ length: 9 }, (_, i) => carry(corner, pose(t, way * i / 8))));
-      if (point >= 0 && this.seen) this.cross(pen, [this.seen.x[point], this.seen.y[point]], "#ff8a65aa", 3);
+      if (point >= 0 && this.seen) this.cross(pen, [this.seen.x[point], this.seen.y[point]], faded(colours.refused, .7), 3);
     }
   }
 
@@ -138,7 +138,7 @@ export class HeadUp {
     const points = this.seen;
     const dot = (x, y, size) => pen.fillRect(x - size / 2, y - size / 2, size, size);
     if (scan) {
-      pen.fillStyle = "#ffffff30";
+      pen.fillStyle = faded(colours.text, .25);
       const shift = this.motion.from(scan.times[scan.times.length - 1]);
       scan.distances.forEach((distance, i) => {
         if (!distance) return;
@@ -150,15 +150,15 @@ export class HeadUp {
     if (!points) return;
     points.x.forEach((x, i) => {
       const kind = points.window[i];
-      pen.fillStyle = kind ? COLOURS[kind] : NONE + "66";
+      pen.fillStyle = kind ? colours.windows[kind] : faded(colours.faint, .5);
       dot(x, points.y[i], (kind ? 5 : 3) * this.pixel);
     });
   }
 
   body(pen, body) {
     const w = body.width / 2, l = body.length / 2;
-    pen.fillStyle = "#262d33e6";
-    pen.strokeStyle = "#cfd8df";
+    pen.fillStyle = faded(colours.body, .9);
+    pen.strokeStyle = colours.edge;
     pen.lineWidth = 2 * this.pixel;
     pen.beginPath();
     pen.roundRect(-w, -l, body.width, body.length, 20);
@@ -166,7 +166,7 @@ export class HeadUp {
     pen.stroke();
     pen.beginPath();
     polygon(pen, [{ x: 0, y: l - 12 }, { x: -26, y: l - 52 }, { x: 26, y: l - 52 }]);
-    pen.fillStyle = "#cfd8df66";
+    pen.fillStyle = faded(colours.edge, .4);
     pen.fill();
     const now = this.state.wheels;
     wheels(body).forEach((p, k) => {
@@ -174,7 +174,7 @@ export class HeadUp {
       pen.save();
       pen.translate(p.x, p.y);
       pen.rotate(-angle * Math.PI / 180);
-      pen.fillStyle = Math.abs(speed) < 3 ? "#8c98a3" : speed > 0 ? "#3ecf6e" : "#ffb04d";
+      pen.fillStyle = Math.abs(speed) < 3 ? colours.faint : colours.edge;
       pen.beginPath();
       pen.roundRect(-11, -30, 22, 60, 6);
       pen.fill();
@@ -183,7 +183,7 @@ export class HeadUp {
     const lidar = body.lidar || [0, 0];
     pen.beginPath();
     pen.arc(lidar[0], lidar[1], 22, 0, 2 * Math.PI);
-    pen.fillStyle = this.state.health?.lidar_ok === false ? "#ff5a52" : "#5ab0ff";
+    pen.fillStyle = this.state.health?.lidar_ok === false ? colours.red : colours.edge;
     pen.fill();
   }
 
@@ -192,7 +192,7 @@ export class HeadUp {
     if (!decision?.block) return;
     const { x, y } = this.motion.from(decision.time)(...decision.block);
     const block = [x, y];
-    this.cross(pen, block, "#ff5a52", 7);
+    this.cross(pen, block, colours.red, 7);
     pen.beginPath();
     pen.arc(block[0], block[1], 11 * this.pixel, 0, 2 * Math.PI);
     pen.stroke();

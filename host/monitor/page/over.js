@@ -1,7 +1,7 @@
 // A run that is over: why, and how to drive again, with a choice of course.
 
 const VERBS = "#auto, #manual, #stop, #record";
-const CARDS = "#drive-card button, #drive-card input, #tune-card button, #tune-card input, #scan, #candidates";
+const CARDS = "#drive-card button, #drive-card input, #panel-tune button, #panel-tune input";
 const SIZES = { width: [260, 3000, 550], gap: [100, 1500, 500] };
 
 export class Over {
