@@ -133,7 +133,7 @@ def _world(header: recording.Header) -> dict | None:
 
         address = parse(header.source)
         wanted = arguments_of(address.place, address.options)
-        names = ("course", "width", "gap", "seed", "mirror", "reverse", "angle", "scale")
+        names = ("course", "width", "gap", "seed", "mirror", "reverse", "angle", "scale", "length", "side", "start", "goal")
         given = {key: value for key, value in wanted.items() if key in names}
         return world_of(courses.make(given.pop("course"), **given))
     except (AddressError, ValueError, TypeError, ImportError):

@@ -1,9 +1,9 @@
 """The twin as a link: it runs in a thread, and the firmware's USB serial line is the wire.
 
     twin:COURSE?width=550&gap=400&seed=3&mirror=1&reverse=1&angle=90&scale=1&mode=naws&speed=1&chip=1&engine=cpython&config=robot.json&record=FILE
-        &fault=NAME@SECONDS&autostart=0
+        &fault=NAME@SECONDS&autostart=0&length=2500&side=1&start=0,0,90&goal=0,3000
 
-COURSE is one of the twin's, in any case; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes.
+COURSE is one of the twin's, in any case, or the file of a world; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes.
 autostart=0 waits for a start, as the robot does after power-up. What the others mean: `python -m host.twin --help`.
 """
 
@@ -39,20 +39,31 @@ def _fault(text):
     return text
 
 
+def _start(text):
+    x, y, heading = (float(v) for v in text.split(","))
+    return x, y, heading
+
+
+def _goal(text):
+    x, y = (float(v) for v in text.split(","))
+    return x, y
+
+
 OPTIONS: dict[str, Callable] = {
     "width": float, "gap": float, "seed": int, "mirror": _flag, "reverse": _flag, "angle": float, "scale": float, "mode": str, "engine": str,
     "speed": _speed, "chip": float, "config": str, "firmware": str, "record": str, "fault": _fault, "autostart": _flag,
+    "length": float, "side": _flag, "start": _start, "goal": _goal,
 }  # fmt: skip
 
 
 def arguments_of(course: str, options: dict) -> dict:
     """Arguments of `host.twin.run.run`. Raises AddressError for a course or an option that does not exist."""
-    from host.twin import courses
+    from host.twin import courses, worlds
 
     names = {name.lower(): name for name in courses.NAMES}
-    if course.lower() not in names:
-        raise AddressError(f"twin:{course}: courses are {', '.join(courses.NAMES)}")
-    arguments = {"course": names[course.lower()], "speed": 1.0}
+    if course.lower() not in names and not worlds.is_file(course):
+        raise AddressError(f"twin:{course}: courses are {', '.join(courses.NAMES)}, or the file of a world")
+    arguments = {"course": names.get(course.lower(), course), "speed": 1.0}
     for key, text in options.items():
         if key not in OPTIONS:
             raise AddressError(f"twin option {key!r}: there are {', '.join(OPTIONS)}")
@@ -78,7 +89,6 @@ class TwinLink(Link):
     def __init__(self, address: str, course: str, options: dict, begin: bool = True):
         super().__init__(address)
         from host.twin.check import check
-        from host.twin.simulation import LIMIT_US
 
         arguments = arguments_of(course, options)
         try:
@@ -89,7 +99,6 @@ class TwinLink(Link):
         self._guard = threading.Lock()
         self._open = True
         self._told = False
-        self._limit = LIMIT_US
         self._held = "changes" in arguments  # a person drives it, or has stopped it, or has not started it yet
         self._looked = 0.0
         self._folder: Path | None = None
@@ -159,7 +168,7 @@ class TwinLink(Link):
         simulation.endless = self._held  # by hand a run never ends
         if self._held:
             # The time that a course may take is the robot's, not the person's.
-            simulation.limit = simulation.now + self._limit
+            simulation.limit = simulation.now + simulation.limit_us
         if not self._told:
             self._told = True
             self._put(world_of(simulation.course))

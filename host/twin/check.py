@@ -7,17 +7,25 @@ import os
 import shutil
 from pathlib import Path
 
-from . import courses
+from . import courses, worlds
 from .process import ENGINES
 from .run import load_config
 from .vehicle import Vehicle
+from .world import World
 
+SHAPE = ("width", "gap", "seed", "mirror", "reverse", "angle", "scale", "length", "side", "start", "goal")
 ENOUGH_MB = 50  # a minute of driving is recorded in 3 to 6 MB
 
 
 def check(arguments):
     """Look over the arguments of `run.run`, a dict. ValueError says in one sentence what cannot be."""
     course, width, gap = arguments["course"], arguments.get("width"), arguments.get("gap")
+    if worlds.is_file(course):
+        for name in ("width", "gap", "reverse", "mirror", "side", "length"):
+            if arguments.get(name):
+                raise ValueError(f"{name} is for the courses; {course} is as its file says")
+        if arguments.get("angle", 90) != 90:
+            raise ValueError(f"an angle is for the bend; {course} is as its file says")
     if course == "random" and width not in (None, courses.DEFAULT_WIDTH["random"]):
         raise ValueError("a width is for the passages; of random the gap between its boxes is chosen")
     if course != "random" and gap is not None:
@@ -27,7 +35,7 @@ def check(arguments):
     engine = arguments.get("engine", ENGINES[0])
     if engine not in ENGINES:
         raise ValueError(f"engine {engine!r} is not known; engines are {', '.join(ENGINES)}")
-    shape = {name: arguments[name] for name in ("width", "gap", "seed", "mirror", "reverse", "angle", "scale") if arguments.get(name) is not None}
+    shape = {name: arguments[name] for name in SHAPE if arguments.get(name) is not None}
     layout = courses.make(course, **shape)
     vehicle = Vehicle.from_settings(load_config(arguments.get("config"), arguments.get("mode"), arguments.get("changes")))
     _body(vehicle, layout)
@@ -67,6 +75,10 @@ def _body(vehicle, layout):
         raise ValueError(f"an axle lies {beyond:g} mm {end}: look at robot.length, axles.spacings and axles.first")
     if vehicle.width >= layout.width:
         raise ValueError(f"a body {vehicle.width:g} mm wide does not fit into {layout.name} with its {layout.width:g} mm")
+    x, y, heading = layout.start
+    overlap = -World(layout.segments).clearance(x, y, heading, vehicle.width / 2, vehicle.length / 2)[0]
+    if overlap > 0:
+        raise ValueError(f"the body of {vehicle.length:g} x {vehicle.width:g} mm stands in a wall at its start in {layout.name}: choose another start")
 
 
 def _file(path, what):

@@ -8,7 +8,7 @@ import sys
 from host.recording import RecordingError
 from host.version import add_version, python
 
-from . import check, courses, faults
+from . import check, courses, faults, worlds
 from .console import Progress, summary_line
 from .image import FIRMWARE, ToolMissing
 from .process import ENGINES
@@ -17,7 +17,26 @@ from .simulation import PASS
 
 PASSED, FAILED, MISUSED = 0, 1, 2
 LIST = "list"
-CHECKED = ("course", "width", "gap", "seed", "mode", "engine", "speed", "config", "mirror", "reverse", "angle", "scale", "record")  # before the run
+CHECKED = (
+    "course",
+    "width",
+    "gap",
+    "seed",
+    "mode",
+    "engine",
+    "speed",
+    "config",
+    "mirror",
+    "reverse",
+    "angle",
+    "scale",
+    "length",
+    "side",
+    "start",
+    "goal",
+    "record",
+)  # before
+# the run
 
 
 def main(arguments=None):
@@ -53,6 +72,11 @@ def main(arguments=None):
             chip=options.chip,
             changes=options.changes,
             fault=options.fault,
+            length=options.length,
+            side=options.side,
+            start=options.start,
+            goal=options.goal,
+            limit_s=options.limit,
         )
     except (ValueError, ToolMissing, SyntaxError, RecordingError) as error:
         print(f"python -m host.twin: {error}", file=sys.stderr)
@@ -103,8 +127,18 @@ def _parser():
     )
     add_version(parser)
     add = parser.add_argument
-    add("course", metavar="COURSE", type=_course, nargs="?", help=", ".join(courses.NAMES))
-    add("--width", type=float, metavar="MM", help="width of the passage (default 550)")
+    add("course", metavar="COURSE", type=_course, nargs="?", help=", ".join(courses.NAMES) + "; or the file of a world: " + ", ".join(worlds.SUFFIXES))
+    add("--width", type=float, metavar="MM", help="width of the passage (default 550; of the alley 450)")
+    add("--length", type=float, metavar="MM", help="alley: from its mouth to its closed end (default 2500)")
+    add("--side", action="store_true", help="alley: closed at the other end too, with an arm to the right as the way out")
+    add("--start", type=_start, metavar="X,Y,HEADING", help="of a world from a file: where the robot starts, mm, and degrees clockwise from +y")
+    add(
+        "--goal",
+        type=_goal,
+        metavar="X,Y",
+        help="of a world from a file: it is through within 500 mm of it, mm (default: outside all walls, or as the file says)",
+    )
+    add("--limit", type=float, metavar="S", help="end the run after so many seconds (default 60; worlds from files 200)")
     add("--gap", type=float, metavar="MM", help="random: least distance between obstacles (default 500)")
     add("--seed", type=_seed, default=0, metavar="N", help="of the robot's imperfections and the noise; other than 0 also shifts the start")
     add("--mode", type=str.lower, choices=MODES, help="all axles steer, or the last one stays straight (default: as robot.json says)")
@@ -126,10 +160,32 @@ def _parser():
     return parser
 
 
+def _place(text, count, what):
+    try:
+        values = tuple(float(v) for v in text.split(","))
+        if len(values) != count or not all(abs(v) < 1e6 for v in values):
+            raise ValueError
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not {what}; write it like {'1200,-300,90' if count == 3 else '1200,-300'}") from None
+    return values
+
+
+def _start(text):
+    return _place(text, 3, "a start")
+
+
+def _goal(text):
+    return _place(text, 2, "a goal")
+
+
 def _course(text):
+    if worlds.is_file(text):
+        return text
     names = {name.lower(): name for name in courses.NAMES}
     if text.lower() not in names:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a course; courses are {', '.join(courses.NAMES)}")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a course; courses are {', '.join(courses.NAMES)}, or a file with a name in {', '.join(worlds.SUFFIXES)}"
+        )
     return names[text.lower()]
 
 

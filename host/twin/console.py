@@ -66,5 +66,6 @@ def summary_line(result):
     """The result in one line."""
     text = f"{result.course} {result.width_mm:g} mm, seed {result.seed}, {result.mode.upper()}, {result.engine}: {result.result}"
     text += f" in {result.time_s:.1f} s, least clearance {result.min_clearance_mm:.0f} mm, contacts {result.contacts},"
+    text += f" touched by others {result.touched_by}," if result.touched_by else ""
     text += f" scrub {result.scrub_mm_s:.1f} mm/s, {result.decisions} decisions, computed in {result.wall_s:.1f} s"
     return text + (f"\nreason: {result.reason}" if result.reason else "")

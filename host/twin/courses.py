@@ -9,13 +9,17 @@ from math import atan2, cos, hypot, radians, sin
 
 import numpy as np
 
+from . import worlds
 from .boxes import scatter
 
 ENTRANCE, EXIT = 700.0, 900.0
 START, GOAL = 50.0, 50.0  # the body starts so far before the centre line begins; it is through so far beyond its end
 AREA = 2160.0, 1580.0
-NAMES = ("Z", "U", "S", "S-sharp", "bend", "random")
-DEFAULT_WIDTH = {"Z": 550, "U": 550, "S": 550, "S-sharp": 550, "bend": 550, "random": 1500}
+NAMES = ("Z", "U", "S", "S-sharp", "bend", "random", "alley")
+DEFAULT_WIDTH = {"Z": 550, "U": 550, "S": 550, "S-sharp": 550, "bend": 550, "random": 1500, "alley": 450}
+ALLEY_LENGTH = 2500.0
+ALLEY_START, ALLEY_OUT = 450.0, 700.0  # the centre starts so far before the closed end, and is out so far beyond the mouth
+HALL = 2500.0, 4000.0  # half the width and the length of the hall before the mouth, whose far end is open
 RANDOM_SIZE = 1500.0, 2920.0
 
 
@@ -26,6 +30,9 @@ class Course:
     segments: (n, 4) walls and, behind them, the sides of the boxes, x1 y1 x2 y2. floor: (m, 2) corners of the ground between the walls.
     start: x, y, heading. goal: x, y, heading, half width: through when the centre is beyond the point in the heading's direction and no
     further than the half width to its side. boxes: corners of each box, (k, 4, 2).
+
+    Of a file: reached: mm, within which the goal, then a place, counts as reached; 0 where it is a line; without any goal the robot is through once its
+    centre has left the square round all walls. moving: worlds.Mover. limit_s: how long a run may take, 0: as usual.
     """
 
     name: str
@@ -35,22 +42,36 @@ class Course:
     start: tuple
     goal: tuple
     boxes: np.ndarray = field(default_factory=lambda: np.zeros((0, 4, 2)))
+    reached: float = 0.0
+    moving: tuple = ()
+    limit_s: float = 0.0
 
     def through(self, x, y):
         """True when the body's centre has passed the goal."""
+        if self.goal is None:
+            low, high = self.floor.min(axis=0), self.floor.max(axis=0)
+            return not (low[0] <= x <= high[0] and low[1] <= y <= high[1])
+        if self.reached:
+            return worlds.reached(self.goal, self.reached, x, y)
         gx, gy, heading, half = self.goal
         dx, dy = x - gx, y - gy
         s, c = sin(heading), cos(heading)
         return dx * s + dy * c > 0 and abs(dx * c - dy * s) <= half
 
 
-def make(name, width=None, gap=500.0, seed=0, mirror=False, reverse=False, angle=90.0, scale=1.0):
-    """A course by name.
+def make(name, width=None, gap=500.0, seed=0, mirror=False, reverse=False, angle=90.0, scale=1.0, length=None, side=False, start=None, goal=None):
+    """A course by name, or the world of a file (worlds.py).
 
     width: of the corridor. gap: random only, the least distance between obstacles. seed: random only. mirror: left and right
     exchanged. reverse: entered from the other end. angle: bend only, of its two bends (degrees). scale: factor on the area, and so on the
-    length of the legs; not on the width. ValueError names what is allowed.
+    length of the legs; not on the width. length, side: alley only, see `alley`. start, goal: of a file, see `worlds.load`. ValueError names what is allowed.
     """
+    if worlds.is_file(name):
+        return from_file(name, start, goal, scale, mirror)
+    if start is not None or goal is not None:
+        raise ValueError(f"start and goal are for worlds from files; {name} has its own")
+    if name != "alley" and (length is not None or side):
+        raise ValueError(f"length and side are for the alley; {name} has its own shape")
     if name not in NAMES:
         raise ValueError(f"course {name!r} is not known; courses are {', '.join(NAMES)}")
     if name != "bend" and angle != 90:
@@ -60,6 +81,8 @@ def make(name, width=None, gap=500.0, seed=0, mirror=False, reverse=False, angle
     width = float(DEFAULT_WIDTH[name] if width is None else width)
     if not 260 <= width <= 3000:
         raise ValueError(f"width {width:g} mm is out of range; 260 to 3000 is accepted")
+    if name == "alley":
+        return alley(width, scale * (ALLEY_LENGTH if length is None else length), side, mirror)
     if name == "random":
         if not 100 <= gap <= 1500:
             raise ValueError(f"gap {gap:g} mm is out of range; 100 to 1500 is accepted")
@@ -74,6 +97,57 @@ def make(name, width=None, gap=500.0, seed=0, mirror=False, reverse=False, angle
     if reverse:
         line = line[::-1]
     return corridor(name, line, width, boxes)
+
+
+def alley(width, length=ALLEY_LENGTH, side=False, mirror=False):
+    """A blind alley: the robot stands with its nose to the closed end; it is out when its centre is 700 mm outside, however it got there.
+
+    side: closed at its other end too, 2500 mm beyond; the way out is an arm to the right there, as wide as the alley and 3 m long.
+    """
+    if not 900 <= length <= 20000:
+        raise ValueError(f"length {length:g} mm is out of range; 900 to 20000 is accepted")
+    half = width / 2
+    if side:
+        arm = 3000.0
+        corners = [(-half, -ALLEY_LENGTH), (-half, length), (half, length), (half, 0), (half + arm, 0)]
+        walls = _walls(corners) + _walls([(half + arm, -width), (half, -width), (half, -ALLEY_LENGTH), (-half, -ALLEY_LENGTH)])
+        goal = half + ALLEY_OUT, -half, radians(90), width
+    else:
+        across, along = HALL
+        walls = _walls([(-half, 0), (-half, length), (half, length), (half, 0)])
+        walls += _walls([(-half, 0), (-across, 0), (-across, -along)]) + _walls([(half, 0), (across, 0), (across, -along)])
+        goal = 0.0, -ALLEY_OUT, radians(180), across
+    segments = np.array(walls)
+    if mirror:
+        segments[:, 0::2] *= -1
+        goal = -goal[0], goal[1], -goal[2], goal[3]
+    return Course("alley", width, segments, _square(segments), (0.0, length - ALLEY_START, 0.0), goal)
+
+
+def from_file(path, start=None, goal=None, scale=1.0, mirror=False):
+    """The world of a file, see worlds.py; heading of the start in degrees."""
+    if not 0.1 <= scale <= 10:
+        raise ValueError(f"scale {scale:g} is out of range; 0.1 to 10 is accepted")
+    if mirror:
+        raise ValueError("a world from a file is not mirrored")
+    layout = worlds.load(path, start, goal, scale)
+    floor = _square(layout.segments)
+    x, y, heading = layout.start
+    size = float(np.ptp(floor, axis=0).min())
+    return Course(
+        str(path), size, layout.segments, floor, (x, y, radians(heading)), layout.goal, reached=layout.reached, moving=layout.moving, limit_s=worlds.LIMIT_S
+    )
+
+
+def _walls(corners):
+    """Segments along a line of corners."""
+    return [(*a, *b) for a, b in zip(corners, corners[1:])]
+
+
+def _square(segments):
+    """Corners of the square round all segments."""
+    (x0, y0), (x1, y1) = worlds.extent(segments)
+    return np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
 
 
 def centre_line(name, width, angle=90.0, scale=1.0):

@@ -122,7 +122,9 @@ def _title(result):
         figures += f"{result.contacts} contact{'s' * (result.contacts > 1)}, up to {-result.min_clearance_mm:.0f} mm deep"
     else:
         figures += f"least clearance {result.min_clearance_mm:.0f} mm"
-    return f"{result.course}, {width}, {result.mode.upper()}, seed {result.seed}\n{WORDS[result.result]}; {figures}"
+    if result.touched_by:
+        figures += f", touched by others {result.touched_by} times while it stood"
+    return f"{Path(result.course).name}, {width}, {result.mode.upper()}, seed {result.seed}\n{WORDS[result.result]}; {figures}"
 
 
 def _legend(result):

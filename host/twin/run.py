@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import courses, faults, image, process, wire
+from . import courses, faults, image, process, wire, worlds
 from .process import FirmwareStopped, Process
 from .recorder import Observers, Recorder
 from .simulation import BLOCKED, PASS, TIMEOUT, Observer, Simulation
@@ -23,7 +23,8 @@ class Result:
     """What a run gave.
 
     track: (n, 4) time s, x mm, y mm, heading deg (clockwise from +y), not more often than 100 a second. log: the
-    decisions, see `host.recording.Decision`. touches: (time s, x, y, heading deg) where each contact began. fault: what it showed of its fault. recording: file of the
+    decisions, see `host.recording.Decision`. contacts: by the robot's own motion; touched_by: how often a box that moves met the robot while it stood.
+    touches: (time s, x, y, heading deg) where each contact of its own began. fault: what it showed of its fault. recording: file of the
     recording, if there is one. lost: why it broke off, if it did.
     """
 
@@ -38,6 +39,7 @@ class Result:
     time_s: float
     min_clearance_mm: float
     contacts: int
+    touched_by: int
     scrub_mm_s: float
     decisions: int
     wall_s: float
@@ -85,14 +87,18 @@ def run(
     chip=None,
     clock_us=0,
     fault=None,
+    length=None,
+    side=False,
+    start=None,
+    goal=None,
 ):
     """Drive one course; returns a Result.
 
-    course, width, gap, mirror, reverse, angle, scale: see `courses.make`. seed: of the robot's imperfections and the noise; other than 0
+    course, width, gap, mirror, reverse, angle, scale, length, side, start, goal: see `courses.make`. seed: of the robot's imperfections and the noise; other than 0
     it perturbs the start as well. mode: "aws" or "naws", None as robot.json says. speed: factor on real time, None = as fast as
     possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it; the robot drives off by itself
     unless they say {"drive.autostart": False}. watch: simulation.Observer, told what
-    happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run earlier than after 60 s.
+    happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run after so long, where it would be 60 s, or 200 in a world from a file.
     heap, clock_us: of the board, see `Process`.
     fault: what fails, NAME or NAME@SECONDS, see `faults`; the run then ends 20 s after that at the latest.
     chip: factor on the speed of an ESP32, math.inf = computing takes no time, None = process.CHIP.
@@ -103,16 +109,19 @@ def run(
     failing = faults.make(fault)
     settings = load_config(config, mode, {**starting(firmware), **failing.changes, **(changes or {})})
     vehicle = Vehicle.from_settings(settings)
-    layout = courses.make(course, width, gap, seed, mirror, reverse, angle, scale)
+    layout = courses.make(course, width, gap, seed, mirror, reverse, angle, scale, length, side, start, goal)
     watch = watch or Observer()
     text = json.dumps(settings)
-    address = _address(course, layout.width, gap, seed, mirror, reverse, angle, scale, chip) + (f"&fault={fault}" if fault else "")
+    shape = dict(gap=gap, seed=seed, mirror=mirror, reverse=reverse, angle=angle, scale=scale, length=length, side=side, start=start, goal=goal)
+    address = _address(course, layout, chip, shape) + (f"&fault={fault}" if fault else "")
     with ExitStack() as stack:
         recorder = None
         if record is not False:
             recorder = stack.enter_context(Recorder.begin(record, text, address, firmware, {"engine": engine, "chip": str(chip)}))
             watch = Observers(recorder, watch)
         simulation = Simulation(layout, vehicle, seed, watch, fault=failing)
+        if limit_s:
+            simulation.limit = simulation.limit_us = max(simulation.limit, limit_s * 1e6)
         child = Process(engine, text, watch.serial, firmware, heap, chip, failing.clock_us or clock_us, failing.files)
         stack.callback(child.close)
         watch.board(child.folder)
@@ -153,11 +162,16 @@ def _watched(simulation, child, watch, speed, limit_s, failing):
         return False, False
 
 
-def _address(course, width, gap, seed, mirror, reverse, angle, scale, chip):
+def _address(course, layout, chip, shape):
     """The run as an address: twin:z?width=550&seed=3."""
-    usual = dict(width=None, gap=500, seed=0, mirror=False, reverse=False, angle=90, scale=1, chip=process.CHIP)
-    given = dict(width=width, gap=gap, seed=seed, mirror=mirror, reverse=reverse, angle=angle, scale=scale, chip=chip)
-    return f"twin:{course.lower()}?" + "&".join(f"{name}={value:g}" for name, value in given.items() if value != usual[name])
+    usual = dict(width=None, gap=500, seed=0, mirror=False, reverse=False, angle=90, scale=1, length=None, side=False, start=None, goal=None, chip=process.CHIP)
+    given = dict(width=None if worlds.is_file(course) else layout.width, **shape, chip=chip)
+    place = str(Path(course).resolve()) if worlds.is_file(course) else course.lower()
+    return f"twin:{place}?" + "&".join(f"{name}={_text(value)}" for name, value in given.items() if value != usual[name])
+
+
+def _text(value):
+    return ",".join(f"{v:g}" for v in value) if isinstance(value, tuple) else f"{value:g}"
 
 
 def starting(firmware):
@@ -235,14 +249,15 @@ def _result(simulation, layout, vehicle, figures):
         result=simulation.result,
         reason=simulation.reason,
         time_s=float(body.now) / 1e6,
-        min_clearance_mm=float(simulation.contact.nearest),
-        contacts=len(simulation.contact.touches),
+        min_clearance_mm=float(min(simulation.contact.nearest, simulation.met.nearest)),
+        contacts=len(simulation.contact.touches) + len(simulation.met.touches),
+        touched_by=len(simulation.met.touched_by),
         scrub_mm_s=float(body.mean_scrub),
         decisions=simulation.decisions[-1].number if simulation.decisions else 0,
         overflows=simulation.overflows,
         track=track,
         log=simulation.decisions,
-        touches=[(t.time / 1e6, t.x, t.y, degrees(t.heading)) for t in simulation.contact.touches],
+        touches=[(t.time / 1e6, t.x, t.y, degrees(t.heading)) for t in simulation.contact.touches + simulation.met.touches],
         layout=layout,
         vehicle=vehicle,
     )

@@ -11,7 +11,7 @@ from .delta2b import DELAY_US, Delta2B
 from .electronics import Electronics
 from .faults import Fault
 from .line import Line
-from .world import World
+from .scene import Encounters, Scene
 
 STEP_US = 10_000.0
 LIMIT_US = 60e6
@@ -29,7 +29,7 @@ class Simulation:
 
     now: simulated time, us. limit: when the run has failed, us; an Observer may put it off. endless: while true the run does not end by itself; an
     Observer sets it while a person drives.
-    body, lidar, electronics, contact: the parts; an Observer may change what they hold, to see what the firmware does.
+    body, lidar, electronics, contact, scene, met: the parts; an Observer may change what they hold, to see what the firmware does.
     result: None until the run is over, then one of PASS, LOCAL_COLLISION, BLOCKED, TIMEOUT; reason: why, when there is more to say.
     """
 
@@ -41,13 +41,14 @@ class Simulation:
         self.fault = fault or Fault()
         self._lidar_wire = vehicle.lidar.rx, vehicle.lidar.baud
         self._watch = watch
-        self.limit = LIMIT_US
+        self.limit = self.limit_us = course.limit_s * 1e6 or LIMIT_US
         self.endless = False
-        world = World(course.segments)
+        self.scene = Scene(course)
         self.body = Body(vehicle, robot, perturbed(course.start, start) if seed else course.start)
-        self.lidar = Delta2B(vehicle.lidar, world, noise, version)
+        self.lidar = Delta2B(vehicle.lidar, self.scene, noise, version)
         self.electronics = Electronics(vehicle, self.body, self.lidar)
-        self.contact = Contact(world, self.body, vehicle.width / 2, vehicle.length / 2)
+        self.contact = Contact(self.scene.walls, self.body, vehicle.width / 2, vehicle.length / 2)
+        self.met = Encounters(self.scene, self.body, vehicle.width / 2, vehicle.length / 2)
         self.now = 0
         self._line = Line(vehicle.lidar.baud)
         self.decisions = []
@@ -132,6 +133,8 @@ class Simulation:
         if span > 0:
             body.advance(end)
             contact.follow(span)
+            self.scene.at(end)
+            self.met.look()
         if end == self.electronics.latch:
             self.electronics.take_pulses()
         if end == self.lidar.due:
@@ -141,12 +144,12 @@ class Simulation:
         if self.endless:
             return
         if self.course.through(body.x, body.y):
-            self._end(LOCAL_COLLISION if contact.touches else PASS)
+            self._end(LOCAL_COLLISION if contact.touches or self.met.touches else PASS)
         elif contact.held_us > STUCK_US:
             self._end(BLOCKED, "held by a wall for 10 s")
         elif end >= self.limit:
             held = contact.refused is not None and end - contact.refused < STUCK_US
-            self._end(BLOCKED if held else TIMEOUT, f"{LIMIT_US / 1e6:g} s are over")
+            self._end(BLOCKED if held else TIMEOUT, f"{self.limit_us / 1e6:g} s are over")
 
     def _end(self, result, reason=""):
         if self.result is None:
