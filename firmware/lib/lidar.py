@@ -306,7 +306,8 @@ class Lidar:
         if state[_GOOD] and ticks_diff(now_us, self.frame_us) > state[_SILENT_US]:
             self.ok = False
             state[_GOOD] = 0
-        if self._motor is not None and ticks_diff(now_us, state[_MOTOR_US]) >= _MOTOR_PERIOD_US:
+        # Not in the time since it was told last: at the start, that is 0.
+        if self._motor is not None and not 0 <= ticks_diff(now_us, state[_MOTOR_US]) < _MOTOR_PERIOD_US:
             self._regulate(now_us)
         return False
 
@@ -373,7 +374,7 @@ class Lidar:
     def _regulate(self, now_us):
         """One step of the motor's speed control (PI on the duty); the start duty while the speed is unknown."""
         state = self._state
-        elapsed_ms = min(ticks_diff(now_us, state[_MOTOR_US]) // 1000, 100)
+        elapsed_ms = min(abs(ticks_diff(now_us, state[_MOTOR_US])) // 1000, 100)
         state[_MOTOR_US] = now_us
         duty = _MOTOR_START
         if state[_HEARD] and ticks_diff(now_us, state[_HEARD_US]) > _SILENT_MAX_US:

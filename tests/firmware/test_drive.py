@@ -514,7 +514,7 @@ def test_registers_are_sent_when_they_change_and_once_a_second():
     robot = _Robot().ready()
     robot.step(60)
     before = [chip.bursts for chip in robot.bus.chips.values()]
-    robot.step(100)
+    robot.step(96)  # a second is 48 periods: a multiple of three, so that the chips take turns
     assert [chip.bursts - b for chip, b in zip(robot.bus.chips.values(), before)] == [2, 2, 2]
 
 
@@ -552,21 +552,38 @@ def test_no_chip_is_set_right_where_all_three_are_written_though_each_is_within_
             looked.clear()
 
 
-def test_a_driving_robot_looks_at_each_chip_five_times_in_a_third_of_a_second():
-    robot = _Robot().ready()
+def _read_of(bus):
+    """Addresses, in the order in which chips are read from now on."""
     looked = []
-    read = robot.bus.readfrom_mem_into
+    read = bus.readfrom_mem_into
 
     def watched(address, register, buffer):
         looked.append(address)
         read(address, register, buffer)
 
-    robot.bus.readfrom_mem_into = watched
-    robot.drive.command(0, 0, 108)
-    robot.step()
-    for _ in range(15):
-        robot.step()
-    assert min(looked.count(address) for address in (SERVOS, LEFT, RIGHT)) >= 5
+    bus.readfrom_mem_into = watched
+    return looked
+
+
+def test_a_driving_robot_looks_at_each_chip_every_third_period_whatever_it_writes():
+    for frequency in (40, 50, 100):
+        robot = _Robot({"servos": {"swing": 90, "frequency": frequency}})
+        for _ in range(200):
+            robot.drive.update(robot.now)
+            robot.now = ticks_add(robot.now, 1000000 // frequency)
+        looked = _read_of(robot.bus)
+        before = [-1, -1, -1]
+        for k in range(250):
+            if k % 20 == 0:  # in the latter half all three chips are written in every period
+                robot.drive.command(300 if k % 40 else -300, k, 108 + k % 11) if k > 120 else robot.drive.command(0, 0, 108)
+            del looked[:]
+            robot.drive.update(robot.now)
+            robot.now = ticks_add(robot.now, 1000000 // frequency)
+            assert len(set(looked)) == 1
+            chip = looked[0] - SERVOS
+            assert before[chip] < 0 or k - before[chip] <= 3
+            before[chip] = k
+        assert min(before) > 240
 
 
 def test_a_garbled_register_is_put_right():

@@ -394,6 +394,15 @@ def test_motor_starts_at_0_6_and_stays_there_while_nothing_is_heard():
     assert motor.duty == 0
 
 
+def test_motor_starts_whatever_the_clock_shows():
+    for start in (0, 2**29 - 1_000_000, 2**29, 2**29 + 1_000_000, 2**30 - 30_000):
+        motor = Motor()
+        lidar = Lidar(Uart(), motor, Config)
+        for k in range(3):
+            lidar.poll((start + k * 20_000) % 2**30)
+        assert motor.duty == 39322
+
+
 def test_motor_speed_is_held():
     for gain in (0.7, 1.0, 1.5):
         speeds, _ = spin(20, gain)

@@ -340,6 +340,27 @@ def test_a_hand_that_was_stopped_has_to_let_go_first():
     assert link.state == protocol.MANUAL
 
 
+def test_a_hand_that_comes_back_after_many_minutes_is_heard():
+    for minutes in (5, 9, 12, 17):
+        link, line, robot = make()
+        line.receive(drive(1, protocol.MANUAL, 0, 0, 120))
+        link.update(0, robot)
+        link.stop()
+        line.receive(drive(2, protocol.MANUAL, 0, 0, 120))
+        link.update(minutes * 60_000_000 % 2**30, robot)
+        assert link.state == protocol.MANUAL
+
+
+def test_what_was_told_many_minutes_ago_is_due():
+    for minutes in (5, 9, 12, 17):
+        link, line, robot = make(signed=True)
+        for now, answered in ((0, 1), (minutes * 60_000_000 % 2**30, 2)):
+            line.receive(frame(protocol.GREET, b"\1\0\0\0\1"))
+            link.update(now, robot)  # here the hello to all is due as well, and comes first
+            link.update(now + 1000, robot)
+            assert line.answered == answered
+
+
 def test_the_stop_button_is_told_once_and_refuses_to_let_it_drive():
     link, line, robot = make()
     robot.safety.fault = STOP_BUTTON

@@ -132,6 +132,7 @@ class Outputs:
         tick = self._tick + 1
         if tick >= self._ticks_a_second:
             tick = 0
+            self._unseen = 7
         self._tick = tick
         if not self.ok:
             if tick or not self.begin():
@@ -147,15 +148,14 @@ class Outputs:
                 self._rolling = False
                 left.clear()
                 right.clear()
-            third = self._ticks_a_second // 3
-            look = tick // third
-            if look != self._looked:
-                # A period in which all three chips are written is full without it: waits, if it can, for one that is not.
-                if changed | 1 << look != 7 or tick + 1 == (look + 1) * third:
-                    self._looked = look
-                    changed |= self._check(look)
-            elif v256 and not self._chips[tick % 3].awake():  # each of them every third period while it drives
-                changed |= self._check(tick % 3)
+            # One chip a period: once a second the whole of it, else, while it drives, whether it was reset.
+            k = tick % 3
+            # A period in which all three chips are written is full without the whole of one: waits, if it can, for another.
+            if self._unseen & 1 << k and (changed | 1 << k != 7 or tick + 3 >= self._ticks_a_second):
+                self._unseen ^= 1 << k
+                changed |= self._check(k)
+            elif v256 and not self._chips[k].awake():
+                changed |= self._check(k)
             if changed & 1:
                 servos.write()
             if changed & 2:
@@ -196,9 +196,7 @@ class Outputs:
                 pass
 
     def _check(self, k):
-        """Look at chip k, once a second: its bit, to have its registers sent again, or 0. One that was reset is off until the next period."""
-        if k > 2:
-            return 0
+        """Look at all of chip k: its bit, to have its registers sent again. One that was reset is off until the next period."""
         chip = self._chips[k]
         if not chip.check():
             self.fault = "PCA9685 at 0x%02x was reset: look for dips of its supply" % chip.address

@@ -68,8 +68,8 @@ def outputs(self, chips, enable, config):
     self._chips = chips
     self._unsent = 0  # bit k: chip k holds other registers than its image
     self._rolling = False  # the motors were told to turn
-    self._ticks_a_second = config.servos_frequency
-    self._looked = -1  # third of a second in which a chip was looked at last
+    self._ticks_a_second = config.servos_frequency // 3 * 3  # each chip has its turn once in three, also from second to second
+    self._unseen = 7  # bit k: chip k was not yet looked at as a whole in this second
     self._tick = -1  # counts servo periods round a second; chips that failed are tried at 0
     self._lines = _servo_lines(config, chips[0])
     self._wires = _motor_wires(config)

@@ -120,7 +120,7 @@ class Commands:
                 return False  # one hand at a time: until it has let go
             silence = _SILENCE_US + 1 if self._heard_us is None else ticks_diff(now_us, self._heard_us)
             self._heard_us = now_us
-            if self.state == STOPPED and silence <= _SILENCE_US:
+            if self.state == STOPPED and 0 <= silence <= _SILENCE_US:  # one of minutes may look negative
                 return False  # stopped by somebody else, or by its button, under a hand that has not noticed yet
             if self.state != what and not self.safety.start(what):
                 return False

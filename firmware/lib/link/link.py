@@ -287,4 +287,4 @@ class Link(Commands):
 
     def _is_due(self, kind, now_us, period_us):
         last_us = self._told_us[kind]
-        return last_us is None or ticks_diff(now_us, last_us) >= period_us
+        return last_us is None or not 0 <= ticks_diff(now_us, last_us) < period_us  # what was long ago may seem to come

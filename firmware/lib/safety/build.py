@@ -78,7 +78,7 @@ def stop_button(self, pin, closed):
     """Fields of a StopButton."""
     self._pin = pin
     self._level = 1 if closed else 0
-    self._closed = closed
+    self._never = closed  # starts the robot
     self._pressed = True  # who holds it while the power comes on, or after a reset, starts nothing
     self._starts = False
     self._since_us = self._open_us = None

@@ -135,7 +135,7 @@ class Safety:
         if not self._begun:
             return
         before = self._lost_before_us
-        if before is not None and ticks_diff(now_us, before) < _OFTEN_US:
+        if before is not None and 0 <= ticks_diff(now_us, before) < _OFTEN_US:  # what was long ago may seem to come
             self._latched = _CHIPS_AGAIN
             before = self._lost_us = None
         self._lost_before_us = self._lost_us

@@ -14,6 +14,7 @@ START = const(2)
 
 _ARMED_US = const(500_000)
 _BOUNCE_US = const(30_000)
+_FLEETING_US = const(50_000)  # no finger is so quick: a bad wire, which from then on may stop the robot but not start it
 _LONG_US = const(1_000_000)
 _JAMMED_US = const(4_000_000)  # longer is no wish to start: it is held in fright, leant on, or caught
 
@@ -33,7 +34,7 @@ class StopButton:
         if self._pin.value() == self._level:
             if not self._pressed:
                 self._pressed = True
-                self._starts = stands and not self._closed
+                self._starts = stands and not self._never
                 self._since_us = now_us
             elif self._open_us is not None and ticks_diff(now_us, self._open_us) > _BOUNCE_US:
                 self._starts = False  # hammering on it
@@ -46,6 +47,10 @@ class StopButton:
                 self._open_us = now_us
             elif ticks_diff(now_us, self._open_us) >= _ARMED_US:
                 self._pressed = False
-                if self._starts and ticks_diff(self._open_us, self._since_us) >= _LONG_US:
-                    return START
+                if self._since_us is not None:
+                    held_us = ticks_diff(self._open_us, self._since_us)
+                    if held_us < _FLEETING_US:
+                        self._never = True
+                    elif self._starts and held_us >= _LONG_US:
+                        return START
         return 0

@@ -24,13 +24,12 @@ class Gone(Fault):
 
 @named("chip-reset", "the left motors' chip loses its registers once", within_ms=100, which="left")
 @named("chip-reset-servos", "the servos' chip loses its registers once", within_ms=100, which="servos")
-@named("chip-resets", "the left motors' chip loses its registers every 1.1 s", within_ms=3300, again_s=0, which="left", every_us=1_100_000)
+@named("chip-resets", "the left motors' chip loses its registers every 1.1 s", within_ms=3300, again_s=0, which="left", every_us=1_100_000, rest_s=1.0)
 class Resets(Fault):
-    rest_s = 0.3  # nothing is broken afterwards: it stops, finds its wheels and goes on
-
-    def __init__(self, which, every_us=NEVER):
+    def __init__(self, which, every_us=NEVER, rest_s=0.3):
         self._which = which
         self._every = every_us
+        self.rest_s = rest_s  # where nothing is broken afterwards it stops, finds its wheels and goes on: no whole second
 
     def begin(self, simulation):
         self.wake = simulation.now
