@@ -7,12 +7,12 @@ INSTALLED := $(VENV)/.installed
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint coverage pythons check-all bench experiments flash deploy monitor screenshots budget drawings
+.PHONY: help setup demo test lint coverage pythons check-all bench experiments flash deploy monitor screenshots budget drawings animation reference site
 
 help:  ## list the words
 	@sed -n 's/^\([a-z][a-z-]*\):[^#]*## /\1\t/p' $(MAKEFILE_LIST) | sort | awk -F'\t' '{printf "  make %-12s %s\n", $$1, $$2}'
 
-setup: $(INSTALLED)  ## install what the host needs into .venv
+setup: $(INSTALLED)  ## install what the host needs into .venv (WHEELS=folder takes what lies there)
 	@$(RUN) -m host.micropython
 	@touch $(READY)
 	@echo "Ready. Try: make demo"
@@ -26,7 +26,7 @@ $(INSTALLED): pyproject.toml
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { echo "Missing: Python's venv module (on Debian and Ubuntu: apt install python3-venv)"; exit 1; }
 	@$(RUN) -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear $(VENV)
 	@echo "Installing the host's packages into $(VENV)"
-	@$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[test]'
+	@$(RUN) tools/install.py $(if $(WHEELS),--wheels "$(WHEELS)") '.[test]'
 	@touch $@
 
 demo: $(READY)  ## drive the Z course, 550 mm wide, in the digital twin
@@ -63,6 +63,18 @@ experiments: $(READY)  ## run the papers' experiments and write docs/results.md 
 
 drawings: $(READY)  ## make the drawings of docs/planner.md anew, from a run of the firmware
 	@$(RUN) -m host.drawings
+
+animation: $(READY)  ## make the moving picture of the README anew, from a run of the twin
+	@$(RUN) -m host.drawings.animation
+
+reference: $(READY)  ## write the pages of docs/ anew that are made from the firmware and from robot.json
+	@$(RUN) -m host.reference
+	@$(RUN) -m host.wiring --docs >/dev/null
+
+# Packages of its own, installed when it is first asked for: nobody needs them to drive.
+site: $(READY)  ## make a site of the README and docs/, to be read without a network: out/site/index.html
+	@$(RUN) -c 'import material' 2>/dev/null || $(RUN) tools/install.py $(if $(WHEELS),--wheels "$(WHEELS)") '.[site]'
+	@$(RUN) -m host.site
 
 budget: $(READY)  ## what the firmware takes of the board's memory, measured, and what is left (ARGS="--option screen.kind=nextion")
 	@$(RUN) -m host.budget $(ARGS)

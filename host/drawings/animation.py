@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from math import degrees
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 from PIL import Image, ImageColor, ImageDraw, ImageFont
 
@@ -88,10 +89,10 @@ class Painter:
         walls = course.segments.reshape(-1, 2)
         self._low = np.array([walls[:, 0].min() - MARGIN, moments[0].pose[1] - BEFORE])
         high = np.array([walls[:, 0].max() + MARGIN, moments[-1].pose[1] + BEHIND])
-        self.size = tuple(int(v) for v in np.ceil((high - self._low)[::-1] * SCALE))
+        self.size: tuple[int, int] = int(np.ceil((high - self._low)[1] * SCALE)), int(np.ceil((high - self._low)[0] * SCALE))
         self._half = vehicle.width / 2, vehicle.length / 2
         self._ground = self._paint_ground()
-        path = Path(__import__("matplotlib").get_data_path()) / "fonts" / "ttf"
+        path = Path(matplotlib.get_data_path()) / "fonts" / "ttf"
         self._font = ImageFont.truetype(str(path / "DejaVuSans.ttf"), round(15 * FINE))
         self._bold = ImageFont.truetype(str(path / "DejaVuSans-Bold.ttf"), round(17 * FINE))
 
@@ -102,23 +103,23 @@ class Painter:
         moment = self._moments[k]
         for offset, colour in ((self._half[1], style.RED), (-self._half[1], style.BLUE)):
             track = [style.turned([(0, offset)], one.pose)[0] for one in self._moments[: k + 1]]
-            draw.line(self._on(track), fill=colour, width=round(2 * FINE), joint="curve")
-        corners = self._on(outline(moment.pose, *self._half))
+            draw.line(self.on(track), fill=colour, width=round(2 * FINE), joint="curve")
+        corners = self.on(outline(moment.pose, *self._half))
         draw.polygon(corners, fill="#ffffff")
         for at, angle in zip(self._wheels(), moment.wheels, strict=True):
             wheel = style.turned(style.turned(np.array([(-14, -34), (14, -34), (14, 34), (-14, 34)]), (*at, angle)), moment.pose)
-            draw.polygon(self._on(wheel), fill=style.WALL)
+            draw.polygon(self.on(wheel), fill=style.WALL)
         draw.line([*corners, corners[0]], fill=style.WALL, width=round(1.8 * FINE), joint="curve")
         nose = style.turned(np.array([(-0.4, 0.8), (0, 0.93), (0.4, 0.8)]) * self._half, moment.pose)
-        draw.line(self._on(nose), fill=style.WALL, width=round(1.8 * FINE), joint="curve")
-        for point, window in sorted(zip(self._on(moment.points), moment.windows, strict=True), key=lambda pair: pair[1] or 9, reverse=True):
+        draw.line(self.on(nose), fill=style.WALL, width=round(1.8 * FINE), joint="curve")
+        for point, window in sorted(zip(self.on(moment.points), moment.windows, strict=True), key=lambda pair: pair[1] or 9, reverse=True):
             size = FINE * (2.0 if window in (0, 4) else 2.8)
             x, y = point
             draw.ellipse((x - size, y - size, x + size, y + size), fill=style.WINDOWS[window])
         self._words(draw, moment)
         return picture.resize(self.size, Image.Resampling.LANCZOS)
 
-    def _on(self, places):
+    def on(self, places):
         """Pixels of the fine picture for places on the floor, (n, 2) mm."""
         return [tuple(place) for place in ((np.asarray(places, float).reshape(-1, 2) - self._low)[:, ::-1] * SCALE * FINE).tolist()]
 
@@ -127,11 +128,11 @@ class Painter:
         return [(x, y) for y in self._vehicle.axles for x in (-half, half)]
 
     def _paint_ground(self):
-        picture = Image.new("RGB", tuple(FINE * v for v in self.size), OUTSIDE)
+        picture = Image.new("RGB", (FINE * self.size[0], FINE * self.size[1]), OUTSIDE)
         draw = ImageDraw.Draw(picture)
-        draw.polygon(self._on(self._course.floor), fill=style.FLOOR)
+        draw.polygon(self.on(self._course.floor), fill=style.FLOOR)
         for wall in self._course.segments:
-            draw.line(self._on(wall.reshape(2, 2)), fill=style.WALL, width=round(3 * FINE))
+            draw.line(self.on(wall.reshape(2, 2)), fill=style.WALL, width=round(3 * FINE))
         return picture
 
     def _words(self, draw, moment):
