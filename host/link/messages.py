@@ -21,6 +21,8 @@ Links add some of their own:
     text        text: what the robot printed between the frames
     truth       x, y, heading, clearance: where it really is (twin, recordings of the twin)
     world       walls ([[x1, y1, x2, y2], ...]), course (twin)
+    pace        speed (factor on real time, None: as fast as it goes), paused (twin)
+    box         x, y, size (mm, 0: none): the box that was put into the robot's way (twin)
     event       text, time
     ended       text: nothing more will come
 """

@@ -20,7 +20,7 @@ _TELL_S = 0.2
 class PlaybackLink(Link):
     """file:PATH. Takes no commands; plays at once. Raises LinkError if the file is no recording.
 
-    length: seconds. position: where it is. playing, rate: may be set at any time.
+    story: [(s, message)], all of it. length: seconds. position: where it is. playing, rate: may be set at any time.
     """
 
     commands = False
@@ -29,10 +29,10 @@ class PlaybackLink(Link):
         super().__init__(address)
         try:
             reader = recording.Reader(path)
-            self._story = sorted(story(reader), key=lambda entry: entry[0])
+            self.story = sorted(story(reader), key=lambda entry: entry[0])
         except recording.RecordingError as error:
             raise LinkError(str(error)) from None
-        self._times = [moment for moment, _ in self._story]
+        self._times = [moment for moment, _ in self.story]
         self.length = self._times[-1] if self._times else 0.0
         self.position = 0.0
         self.playing = True
@@ -52,7 +52,7 @@ class PlaybackLink(Link):
             self._next = bisect.bisect_right(self._times, self.position)
             latest = {}
             recent = []
-            for moment, message in self._story[: self._next]:
+            for moment, message in self.story[: self._next]:
                 latest[message["type"]] = message
                 if message["type"] == "decision" and moment >= self.position - HISTORY_S:
                     recent.append(message)
@@ -78,10 +78,10 @@ class PlaybackLink(Link):
             with self._moves:
                 if self.playing:
                     self.position = min(self.position + (now - last) * self.rate, self.length)
-                    while self._next < len(self._story) and self._times[self._next] <= self.position:
-                        self._put(self._story[self._next][1])
+                    while self._next < len(self.story) and self._times[self._next] <= self.position:
+                        self._put(self.story[self._next][1])
                         self._next += 1
-                    if self._next == len(self._story):
+                    if self._next == len(self.story):
                         self.playing = False
                         if self._cut:
                             self._put({"type": "text", "text": f"{self._cut}; this is all there is"})

@@ -13,6 +13,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from link import protocol
+
 from .address import AddressError
 from .base import Link
 
@@ -89,12 +91,14 @@ class TwinLink(Link):
     def __init__(self, address: str, course: str, options: dict, begin: bool = True):
         super().__init__(address)
         from host.twin.check import check
+        from host.twin.pace import Pace
 
         arguments = arguments_of(course, options)
         try:
             check(arguments)
         except ValueError as error:
             raise AddressError(f"{address}: {error}") from None
+        self.pace = arguments["speed"] = Pace(arguments["speed"])
         self._outgoing: list[bytes] = []
         self._guard = threading.Lock()
         self._open = True
@@ -102,6 +106,8 @@ class TwinLink(Link):
         self._held = "changes" in arguments  # a person drives it, or has stopped it, or has not started it yet
         self._looked = 0.0
         self._folder: Path | None = None
+        self._box_wanted: tuple[float, float, float] | None = None
+        self._box = (0.0, 0.0, 0.0)
         watch = _observer(self._receive, self._outgo, self._look, self._board)
         self._thread = threading.Thread(target=self._run, args=(arguments, watch), daemon=True)
         self._begun = False
@@ -123,6 +129,48 @@ class TwinLink(Link):
         KEPT.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(self._folder / "robot.json", KEPT)
         return str(KEPT)
+
+    def set_pace(self, speed: float | None = None, paused: bool | None = None, step: bool = False) -> None:
+        """Slow motion (speed, factor on real time), a pause, or one decision and a pause; tells `pace`."""
+        if speed is not None:
+            if not 0.01 <= speed <= 100:
+                raise ValueError(f"speed {speed:g}: 0.01 to 100 times real time")
+            self.pace.speed = speed
+        if step:
+            self.pace.step()
+        elif paused is not None:
+            self.pace.pause() if paused else self.pace.go_on()
+        self._tell_pace()
+
+    def put_box(self, x: float, y: float, size: float) -> None:
+        """A box, `size` mm, into the robot's way (0: none); tells `box`, and a `text` if it stays where it was."""
+        if size and not 40 <= size <= 400:
+            raise ValueError(f"a box of {size:g} mm: 40 to 400 mm")
+        self._box_wanted = (x, y, size)
+
+    def _tell_pace(self) -> None:
+        self._put({"type": "pace", "speed": self.pace.speed, "paused": self.pace.paused})
+
+    def _take(self, kind: int, sequence: int, payload: bytes) -> None:
+        super()._take(kind, sequence, payload)
+        if kind == protocol.DECISION:
+            before = self.pace.paused
+            self.pace.decided()
+            if self.pace.paused != before:
+                self._looked = 0.0  # where the robot is now is told at once
+                self._tell_pace()
+
+    def _move_box(self, simulation) -> None:
+        wanted, self._box_wanted = self._box_wanted, None
+        if wanted is None:
+            return
+        try:
+            simulation.put_box(*wanted)
+            self._box = wanted
+        except ValueError as error:
+            self._put({"type": "text", "text": str(error)})
+        x, y, size = self._box
+        self._put({"type": "box", "x": x, "y": y, "size": size})
 
     def close(self) -> None:
         self._open = False
@@ -165,6 +213,7 @@ class TwinLink(Link):
         """Tell the world once, and where the robot really is."""
         if not self._open:
             raise KeyboardInterrupt  # the twin's way to be told to end
+        self._move_box(simulation)
         simulation.endless = self._held  # by hand a run never ends
         if self._held:
             # The time that a course may take is the robot's, not the person's.

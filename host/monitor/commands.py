@@ -7,12 +7,42 @@ what: the page's JSON object. KeyError, TypeError and ValueError become a messag
 """
 
 from collections.abc import Callable
+from functools import lru_cache
 
 from host.link.base import Link
 
 
 def _drive(link: Link, what: dict) -> None:
     link.drive(what["what"], float(what.get("af", 0)), float(what.get("ar", 0)), float(what.get("v", 90)))
+
+
+def _twin(station):
+    link = station.link
+    if not hasattr(link, "set_pace"):
+        raise ValueError("only the twin can be slowed, stopped in time, or have a box put in its way")
+    return link
+
+
+def _pace(station, what: dict) -> None:
+    _twin(station).set_pace(None if what.get("speed") is None else float(what["speed"]), what.get("paused"), bool(what.get("step")))
+
+
+def _box(station, what: dict) -> None:
+    _twin(station).put_box(float(what["x"]), float(what["y"]), float(what["size"]))
+
+
+@lru_cache(maxsize=1)
+def _courses() -> dict:
+    """What the twin can be asked for: its courses with their walls, for small pictures, and what can fail."""
+    from host.link.twin import world_of
+    from host.twin import courses, faults
+
+    sizes = {name: ("gap", 100, 1500, 500) if name == "random" else ("width", 260, 3000, courses.DEFAULT_WIDTH[name]) for name in courses.NAMES}
+    return {
+        "type": "courses",
+        "list": [{"name": name, "walls": world_of(courses.make(name))["walls"], "size": sizes[name]} for name in courses.NAMES],
+        "faults": [{"name": kind.name, "text": kind.text} for kind in sorted(faults.KINDS.values(), key=lambda kind: kind.name)],
+    }
 
 
 TO_ROBOT: dict[str, Callable[[Link, dict], None]] = {
@@ -25,4 +55,10 @@ TO_ROBOT: dict[str, Callable[[Link, dict], None]] = {
     "point": lambda link, what: link.point(int(what["wheel"]), float(what["angle"])),
 }
 
-HERE: dict[str, Callable] = {}
+HERE: dict[str, Callable] = {
+    "compare": lambda station, what: station.compare(str(what.get("path") or "")),
+    "run_again": lambda station, what: station.run_again(dict(what.get("set") or {})),
+    "courses": lambda station, what: _courses(),
+    "pace": _pace,
+    "box": _box,
+}

@@ -8,18 +8,35 @@ from urllib.parse import urlencode
 from host import recording
 from host.link import AddressError, LinkError, connect, parse
 from host.link.base import Link
+from host.link.playback import PlaybackLink
 
-from . import commands, recordings
+from . import commands, recordings, runs
 from .recorder import LinkRecorder
 
 # What those who come later are told too: the latest of each of these types.
-LATEST = ("hello", "names", "world", "health", "decision", "points", "wheels", "pose", "truth", "scan", "candidates", "playback", "ended")
+LATEST = (
+    "hello",
+    "names",
+    "world",
+    "health",
+    "decision",
+    "points",
+    "wheels",
+    "pose",
+    "truth",
+    "scan",
+    "candidates",
+    "playback",
+    "run",
+    "other",
+    "pace",
+    "box",
+    "ended",
+)
 
 RECORDINGS = Path("out")  # where a page records, and the only folder from which it opens recordings
 # What a page may ask of the twin: no files, and no code of the asker's choice. The command line takes every option.
-PAGE_OPTIONS = ("width", "gap", "seed", "mirror", "reverse", "angle", "scale", "mode", "speed", "autostart")
-
-COURSES = ("Z", "U", "S", "S-sharp", "bend", "random")  # what "drive again" offers; the twin, which needs numpy, is asked when it is opened
+PAGE_OPTIONS = ("width", "gap", "seed", "mirror", "reverse", "angle", "scale", "mode", "speed", "autostart", "fault")
 
 ASK_S, ASKED = 3.0, 10  # how long to wait for the parameters, and how often to ask
 
@@ -59,8 +76,35 @@ class Station:
             self.record(record)
         threading.Thread(target=self._pump, args=(link,), daemon=True).start()
         self._tell(self._connected())
+        if isinstance(link, PlaybackLink):
+            self._show(runs.whole(link.story))
         if self.listeners:
             self._begin(link)
+
+    def _show(self, message: dict) -> None:
+        """Tell all who look on, and those who come later."""
+        with self._lock:
+            self._latest[message["type"]] = message
+        self._tell(message)
+
+    def compare(self, path: str) -> None:
+        """Show another recording beside what is open; "": no longer. Raises AddressError or RecordingError."""
+        self._show(runs.other(in_recordings(path)) if path else {"type": "other"})
+
+    def run_again(self, changes: dict) -> None:
+        """Run the recording that is open through the firmware with other settings, in a thread, and show that beside it. Raises ValueError."""
+        link = self.link
+        if not isinstance(link, PlaybackLink):
+            raise ValueError("only a recording can be run again with other settings; open one")
+        path = parse(self.address).place
+
+        def work():
+            try:
+                self._show(runs.again(path, changes))
+            except (recording.RecordingError, ValueError, TypeError, AttributeError) as error:
+                self._tell({"type": "refused", "do": "run_again", "text": str(error)})
+
+        threading.Thread(target=work, daemon=True).start()
 
     def listen(self, hear) -> None:
         """Tell a newcomer what the others have seen, and from now on what they see."""
@@ -78,7 +122,7 @@ class Station:
 
     def _connected(self) -> dict:
         commands = bool(self.link and self.link.commands)
-        courses = list(COURSES) if self.address.startswith("twin:") else []
+        courses = course_names() if self.address.startswith("twin:") else []
         return {"type": "connected", "address": self.address, "commands": commands, "recording": self.recording, "courses": courses}
 
     def close(self) -> None:
@@ -134,12 +178,12 @@ class Station:
             elif do == "recordings":
                 return {"type": "recordings", "list": recordings.newest(RECORDINGS)}
             elif do == "record":
-                self.record(_in_recordings(what["path"]) if what.get("path") else None)
+                self.record(in_recordings(what["path"]) if what.get("path") else None)
                 if what.get("scans") and link is not None and link.commands:
                     link.watch(scan=True, candidates=bool(what.get("candidates")))  # half of what the cable carries: only for who asks
             elif do == "end_recording":
                 self.stop_recording()
-            elif do == "play" and hasattr(link, "seek"):
+            elif do == "play" and isinstance(link, PlaybackLink):
                 self._play(link, what)
             elif do in commands.HERE:
                 return commands.HERE[do](self, what)
@@ -169,9 +213,13 @@ class Station:
             for name in ("width", "gap", "angle", "record"):
                 options.pop(name, None)
             place = str(course)
-            if place not in COURSES:
-                raise AddressError(f"{place!r} is not a course; courses are {', '.join(COURSES)}")
-            options |= {name: str(what[name]) for name in PAGE_OPTIONS if what.get(name) not in (None, "")}
+            if place not in course_names():
+                raise AddressError(f"{place!r} is not a course; courses are {', '.join(course_names())}")
+            for name in PAGE_OPTIONS:
+                if what.get(name) not in (None, ""):
+                    options[name] = str(what[name])
+                elif name in what:
+                    options.pop(name, None)  # the page has it, and left it out
         return f"twin:{place}" + ("?" + urlencode(options, safe="/:,") if options else "")
 
     def _allowed(self, address: str) -> str:
@@ -180,13 +228,15 @@ class Station:
             return address
         scheme, place, options = parse(address)
         if scheme == "file":
-            return f"file:{_in_recordings(place)}"
+            return f"file:{in_recordings(place)}"
+        if scheme == "twin" and place.lower() not in (known := [name.lower() for name in course_names()]):
+            raise AddressError(f"{place!r} is not a course; courses are {', '.join(known)}; the file of a world can be given on the command line only")
         if scheme == "twin" and (other := [name for name in options if name not in PAGE_OPTIONS]):
             raise AddressError(f"twin option {other[0]!r} can be given on the command line only; a page may give {', '.join(PAGE_OPTIONS)}")
         return address
 
     @staticmethod
-    def _play(link, what: dict) -> None:
+    def _play(link: PlaybackLink, what: dict) -> None:
         if "rate" in what:
             link.rate = float(what["rate"])
         if "playing" in what:
@@ -254,7 +304,14 @@ class Station:
             listener(message)
 
 
-def _in_recordings(path) -> str:
+def course_names() -> list[str]:
+    """The twin's courses; asked only where the twin is opened, because it needs numpy."""
+    from host.twin import courses
+
+    return list(courses.NAMES)
+
+
+def in_recordings(path) -> str:
     """A file of the recordings' folder, named with or without it. Raises AddressError for all others."""
     folder = RECORDINGS.resolve()
     given = Path(str(path))

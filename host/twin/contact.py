@@ -52,6 +52,10 @@ class Contact:
         if self._travel <= 0:
             self._look()
 
+    def walls_moved(self):
+        """What has been seen of the walls is of then: look anew at the next motion."""
+        self._travel = 0.0
+
     @property
     def held_us(self):
         return 0.0 if self._held_since is None else self._body.now - self._held_since

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from . import courses, faults, image, process, wire, worlds
+from .pace import Pace
 from .process import FirmwareStopped, Process
 from .recorder import Observers, Recorder
 from .simulation import BLOCKED, PASS, TIMEOUT, Observer, Simulation
@@ -209,15 +210,13 @@ def load_config(config=None, mode=None, changes=None):
 
 def _drive(simulation, child, watch, speed, limit_s):
     """True when the run came to its own end, False when the limit cut it."""
-    start = time.monotonic()
+    pace = speed if isinstance(speed, Pace) else Pace(speed)
     while simulation.result is None:
         request = child.receive()
         answer = simulation.serve(request)
         watch.step(simulation)
-        if speed:
-            ahead = simulation.now / 1e6 / speed - (time.monotonic() - start)
-            if ahead > 0:
-                time.sleep(ahead)
+        while not pace.wait(simulation.now):
+            watch.step(simulation)
         if limit_s and simulation.now > limit_s * 1e6:
             simulation.stop(TIMEOUT, f"{limit_s:g} s are over")
             return False

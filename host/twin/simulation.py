@@ -12,6 +12,7 @@ from .electronics import Electronics
 from .faults import Fault
 from .line import Line
 from .scene import Encounters, Scene
+from .world import World
 
 STEP_US = 10_000.0
 LIMIT_US = 60e6
@@ -99,6 +100,19 @@ class Simulation:
     def go_on(self, time):
         """Let the world go on to the time, us, without the firmware: the chips do what they were told last."""
         self._run_up_to(time)
+
+    def put_box(self, x, y, size):
+        """A square box, `size` mm, about a place; only one, and none with a size of 0. ValueError where the robot stands."""
+        sides = np.zeros((0, 4))
+        if size:
+            h = size / 2
+            corners = np.array([[x - h, y - h], [x + h, y - h], [x + h, y + h], [x - h, y + h]], float)
+            sides = np.hstack([corners, np.roll(corners, -1, axis=0)])
+            body = self.body
+            if World(sides).clearance(body.x, body.y, body.heading, self.vehicle.width / 2, self.vehicle.length / 2)[0] <= 0:
+                raise ValueError("there stands the robot: a box goes beside it")
+        self.scene.walls.put(np.vstack([self.course.segments, sides]))
+        self.contact.walls_moved()
 
     def _horizon(self):
         """Time before which nothing more arrives."""

@@ -14,6 +14,10 @@ class World:
     """
 
     def __init__(self, segments):
+        self.put(segments)
+
+    def put(self, segments):
+        """Other walls from now on, for all who look at this world."""
         self.segments = np.asarray(segments, float)
         self._start = np.ascontiguousarray(self.segments[:, :2].T)
         end = self.segments[:, 2:].T

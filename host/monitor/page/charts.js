@@ -1,30 +1,58 @@
-// Strip charts of the last 30 seconds.
+// Charts of the whole run: steering, speed, how long each decision took and how far the way is free, with marks where it stopped and why.
 
 import { line, prepare } from "./canvas.js";
 import { colours } from "./theme.js";
 
-const SPAN = 30;
 const WRAP = 2 ** 30 / 1e6; // the robot's clock starts over after this, s
-const STRIPS = [
-  { name: "AF", unit: "°", of: (d) => d.af, low: -90, high: 90, zero: 0 },
-  { name: "AR", unit: "°", of: (d) => d.ar, low: -90, high: 90, zero: 0 },
-  { name: "V", unit: "", of: (d) => d.v, low: 60, high: 120, zero: 90 },
-  { name: "decision", unit: " ms", of: (d) => d.took, low: 0, high: null, zero: 0 },
-  { name: "free", unit: " mm", of: (d) => d.free, low: 0, high: null, zero: 0 },
+const MOST = 40000; // decisions kept, an hour of them
+const STEPS = [1, 2, 5, 10, 20, 30, 60, 120, 300, 600]; // s between the marks of the axis
+const LEFT = 92, RIGHT = 10, BOTTOM = 20, TOP = 16;
+
+// Each strip: its lines, its range ("low" to the first of "high" that holds what is seen), where it has rules, and its share of the height.
+export const STRIPS = [
+  { name: "steering", unit: "°", lines: [["AF", (d) => d.af], ["AR", (d) => d.ar]], high: [15, 30, 60, 90], both: true, rules: [-60, -30, -12, 0, 12, 30, 60], share: 2 },
+  { name: "speed", unit: " V", lines: [["V", (d) => d.v]], high: [30, 60, 90], both: true, middle: 90, rules: [70, 90, 110], share: 1 },
+  { name: "decision", unit: " ms", lines: [["decision", (d) => d.took]], high: [20, 50, 100, 200, 500], rules: [0, 20, 50, 100, 200], share: 1 },
+  { name: "free way", unit: " mm", lines: [["free", (d) => d.free]], high: [800, 1500, 3000, 33000], rules: [0, 350, 700, 1500], share: 1 },
 ];
 
+// The first of the moments at which it stood still after it had moved, and why: [{ at, why }].
+export function stops(rows) {
+  return rows.filter((row, k) => k && row.v === 90 && rows[k - 1].v !== 90).map(({ at, why, state }) => ({ at, why, state }));
+}
+
 export class Charts {
-  constructor(canvas) {
-    this.canvas = canvas;
+  // tip: words beside the pointer; words(row): why, in words; seek(at): a click while a recording is open.
+  constructor(canvas, redraw, tip, words, seek) {
+    Object.assign(this, { canvas, redraw, tip, words, seek, span: 30, end: null, pointer: null });
+    canvas.onpointermove = (event) => {
+      if (this.dragged !== undefined && event.buttons) this.scroll((this.dragged - event.offsetX) / this.width * this.span);
+      this.dragged = event.buttons ? event.offsetX : undefined;
+      this.look(event.offsetX);
+    };
+    canvas.onpointerleave = () => this.look(null);
+    canvas.onclick = (event) => this.seek?.(this.time(event.offsetX));
+    canvas.onkeydown = (event) => {
+      const step = { ArrowLeft: -0.1, ArrowRight: 0.1, Home: -1e6, End: 1e6 }[event.code];
+      if (step === undefined) return;
+      this.scroll(step * this.span);
+      event.preventDefault();
+      event.stopPropagation();
+    };
     this.clear();
   }
 
   clear() {
     this.rows = [];
+    this.other = null;
+    this.whole = false; // the rows are those of a recording, all of it
     this.rounds = 0;
+    this.end = null;
+    this.cursor = undefined;
   }
 
   note(decision) {
+    if (this.whole) return;
     const last = this.rows[this.rows.length - 1];
     let time = decision.time + this.rounds * WRAP;
     if (last && time < last.time - 5) {
@@ -32,35 +60,178 @@ export class Charts {
       if (decision.number > last.number) time = decision.time + ++this.rounds * WRAP;
       else this.clear();
     }
-    this.rows.push({ ...decision, time });
-    while (this.rows.length && this.rows[0].time < time - SPAN) this.rows.shift();
+    this.first = this.rows.length ? this.first : time;
+    this.rows.push({ ...decision, time, at: time - this.first });
+    if (this.rows.length > MOST) this.rows.shift();
+  }
+
+  // All decisions of a recording, each with `at`, s from its start.
+  run(rows) {
+    this.rows = rows;
+    this.whole = true;
+  }
+
+  get length() {
+    return Math.max(this.rows[this.rows.length - 1]?.at ?? 0, this.other?.[this.other.length - 1]?.at ?? 0);
+  }
+
+  get shown() {
+    return this.span === Infinity ? Math.max(this.length, 1) : this.span;
+  }
+
+  // The right edge: where it was scrolled to, or else the latest.
+  get edge() {
+    const latest = Math.max(this.whole ? Math.max(this.cursor ?? 0, Math.min(this.shown, this.length)) : this.length, this.shown);
+    return this.span === Infinity ? this.shown : this.end ?? latest;
+  }
+
+  scroll(seconds) {
+    this.to(this.edge + seconds);
+  }
+
+  to(edge) {
+    const last = Math.max(this.length, this.shown);
+    this.end = edge >= last - 0.05 ? null : Math.max(edge, this.shown);
+    this.redraw();
+  }
+
+  time(x) {
+    return this.edge - this.shown + (x - LEFT) / this.width * this.shown;
+  }
+
+  look(x) {
+    this.pointer = x === null || x < LEFT ? null : x;
+    this.redraw();
   }
 
   draw() {
     const { pen, width, height } = prepare(this.canvas);
-    const rows = this.rows;
-    if (!rows.length) return;
-    const end = rows[rows.length - 1].time;
-    const each = height / STRIPS.length;
-    const left = 74, right = width - 8;
-    pen.font = "12px system-ui, sans-serif";
-    STRIPS.forEach((strip, i) => {
-      const top = i * each + 6, bottom = (i + 1) * each - 6;
-      const values = rows.map(strip.of);
-      const low = Math.min(strip.low, ...values);
-      const high = strip.high === null ? Math.max(10, ...values) * 1.1 : Math.max(strip.high, ...values);
-      const y = (value) => bottom - (value - low) / (high - low) * (bottom - top);
-      pen.strokeStyle = colours.line;
-      pen.lineWidth = 1;
-      line(pen, [{ x: left, y: y(strip.zero) }, { x: right, y: y(strip.zero) }]);
-      pen.strokeStyle = colours.text;
-      pen.lineWidth = 1.5;
-      line(pen, rows.map((row, k) => ({ x: right - (end - row.time) / SPAN * (right - left), y: y(values[k]) })));
-      pen.fillStyle = colours.faint;
-      pen.fillText(strip.name, 6, top + 11);
-      pen.fillStyle = colours.text;
-      const now = values[values.length - 1];
-      pen.fillText((Number.isInteger(now) ? now : now.toFixed(1)) + strip.unit, 6, top + 27);
-    });
+    this.width = width - LEFT - RIGHT;
+    const from = this.edge - this.shown;
+    const x = (at) => LEFT + (at - from) / this.shown * this.width;
+    pen.font = "11px system-ui, sans-serif";
+    this.axis(pen, from, x, height);
+    const shares = STRIPS.reduce((sum, strip) => sum + strip.share, 0);
+    let top = TOP;
+    for (const strip of STRIPS) {
+      const bottom = top + (height - TOP - BOTTOM) * strip.share / shares;
+      this.strip(pen, strip, top + 4, bottom - 4, x, from);
+      top = bottom;
+    }
+    this.marks(pen, x, from, height);
+    if (this.whole && this.cursor !== undefined) this.upright(pen, x(this.cursor), height, colours.chosen, []);
+    this.hover(pen, x, height);
   }
+
+  axis(pen, from, x, height) {
+    const step = STEPS.find((one) => one / this.shown * this.width > 44) || 1200;
+    pen.fillStyle = colours.faint;
+    pen.strokeStyle = colours.faintLine;
+    pen.textAlign = "center";
+    for (let at = Math.max(0, Math.ceil(from / step) * step); at <= from + this.shown; at += step) {
+      line(pen, [{ x: x(at), y: TOP }, { x: x(at), y: height - BOTTOM + 3 }]);
+      pen.fillText(at < 60 ? `${at} s` : `${Math.floor(at / 60)}:${String(at % 60).padStart(2, "0")}`, x(at), height - 5);
+    }
+    pen.textAlign = "left";
+  }
+
+  strip(pen, strip, top, bottom, x, from) {
+    const rows = this.seen(this.rows, from), others = this.seen(this.other || [], from);
+    const middle = strip.middle ?? 0;
+    const most = Math.max(0, ...[...rows, ...others].flatMap((row) => strip.lines.map(([, of]) => Math.abs(of(row) - middle))));
+    const high = strip.high.find((one) => one >= most) ?? strip.high[strip.high.length - 1];
+    const low = strip.both ? middle - high : middle;
+    const y = (value) => bottom - (Math.min(Math.max(value, low), middle + high) - low) / (middle + high - low) * (bottom - top);
+    pen.lineWidth = 1;
+    let free = Infinity;
+    for (const rule of strip.rules) {
+      if (rule < low || rule > middle + high) continue;
+      pen.strokeStyle = rule === middle ? colours.line : colours.faintLine;
+      line(pen, [{ x: LEFT, y: y(rule) }, { x: LEFT + this.width, y: y(rule) }]);
+      if (free - y(rule) < 11) continue;
+      free = y(rule);
+      pen.fillStyle = colours.faint;
+      pen.textAlign = "right";
+      pen.fillText(String(rule), LEFT - 5, y(rule) + 4);
+      pen.textAlign = "left";
+    }
+    pen.fillStyle = colours.text;
+    pen.fillText(strip.name, 4, top + 8);
+    pen.fillStyle = colours.faint;
+    pen.fillText(strip.lines.length > 1 ? "AF, AR -- °" : strip.unit.trim(), 4, top + 21);
+    pen.save();
+    pen.beginPath();
+    pen.rect(LEFT, top - 3, this.width, bottom - top + 6);
+    pen.clip();
+    for (const [some, colour] of [[others, colours.other], [rows, colours.text]]) {
+      strip.lines.forEach(([, of], k) => {
+        pen.strokeStyle = colour;
+        pen.lineWidth = 1.5;
+        pen.setLineDash(k ? [4, 3] : []);
+        line(pen, stairs(some, of, x, y));
+      });
+    }
+    pen.restore();
+  }
+
+  // Those within what is shown, and one more on either side.
+  seen(rows, from) {
+    let first = rows.findIndex((row) => row.at >= from), last = rows.length;
+    if (first < 0) first = rows.length;
+    while (last > first && rows[last - 1].at > from + this.shown) last--;
+    return rows.slice(Math.max(0, first - 1), last + 1);
+  }
+
+  marks(pen, x, from, height) {
+    let free = LEFT;
+    for (const stop of stops(this.seen(this.rows, from))) {
+      const at = x(stop.at);
+      if (at < LEFT) continue;
+      this.upright(pen, at, height, colours.faint, [2, 3]);
+      const text = this.words(stop), wide = pen.measureText(text).width;
+      pen.fillStyle = colours.text;
+      pen.fillText("■", at - 4, 11);
+      if (at + 8 < free || at + 8 + wide > LEFT + this.width) continue;
+      pen.fillText(text, at + 8, 11);
+      free = at + 16 + wide;
+    }
+  }
+
+  upright(pen, x, height, colour, dash) {
+    if (x < LEFT - 1) return;
+    pen.setLineDash(dash);
+    pen.strokeStyle = colour;
+    pen.lineWidth = 1;
+    line(pen, [{ x, y: TOP }, { x, y: height - BOTTOM }]);
+    pen.setLineDash([]);
+  }
+
+  // The row in force at a time.
+  row(rows, at) {
+    let found = null;
+    for (const row of rows) {
+      if (row.at > at) break;
+      found = row;
+    }
+    return found;
+  }
+
+  hover(pen, x, height) {
+    if (this.pointer === null) return this.tip("");
+    const at = this.time(this.pointer);
+    this.upright(pen, this.pointer, height, colours.text, []);
+    const say = (row) => `AF ${row.af}° AR ${row.ar}° V ${row.v}, decided in ${row.took.toFixed(1)} ms, free ${row.free} mm: ${this.words(row)}`;
+    const row = this.row(this.rows, at), other = this.other && this.row(this.other, at);
+    return this.tip([row && `${at.toFixed(1)} s: ${say(row)}`, other && `the other: ${say(other)}`].filter(Boolean).join(" | "), this.pointer, 30);
+  }
+}
+
+// A decision holds until the next.
+function stairs(rows, of, x, y) {
+  const out = [];
+  rows.forEach((row, k) => {
+    if (k) out.push({ x: x(row.at), y: y(of(rows[k - 1])) });
+    out.push({ x: x(row.at), y: y(of(row)) });
+  });
+  return out;
 }

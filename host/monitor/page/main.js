@@ -1,23 +1,27 @@
 // The page: hands every message to the parts that show it, and every wish to the robot.
 
-import { Charts } from "./charts.js";
+import { Beside } from "./beside.js";
+import { Charts, stops } from "./charts.js";
+import { choices, isOn, toggle } from "./choices.js";
 import { Dials } from "./dials.js";
 import { Hand } from "./drive.js";
 import { Health } from "./health.js";
+import { listen } from "./keys.js";
 import { Live } from "./live.js";
-import { HeadUp } from "./map.js";
+import { legend } from "./marks.js";
 import { Motion } from "./motion.js";
 import { Over } from "./over.js";
 import { Panels } from "./panels.js";
 import { Player } from "./player.js";
 import { Recordings } from "./recordings.js";
+import { RobotMap } from "./robotmap.js";
 import { colours, onTheme } from "./theme.js";
+import { tip } from "./tip.js";
 import { Tune } from "./tune.js";
-import { World } from "./world.js";
+import { Words } from "./words.js";
+import { WorldMap } from "./worldmap.js";
 
 const get = (id) => document.getElementById(id);
-const pressed = (id) => get(id).getAttribute("aria-pressed") === "true";
-const SILENT_MS = 2000;
 
 // The latest message of each type, by its type; and the parameters.
 const state = {
@@ -26,41 +30,56 @@ const state = {
     return this.parameters[key]?.value ?? otherwise;
   },
 };
+// What is told once for each side, parameter or occasion is kept elsewhere, or not at all.
+const PASSING = ["connected", "candidates", "parameter", "reply", "refused", "log", "text", "event", "recording", "recordings", "jump", "ended"];
 
+let heard = 0, session = null, changed = true, drawn = 0;
+const redraw = () => { changed = true; };
+const send = (command) => live.send(command);
 const motion = new Motion();
-const map = new HeadUp(get("map"), state, motion);
-const world = new World(get("world"), state);
-const charts = new Charts(get("charts"));
+const map = new RobotMap(get("map"), state, motion, redraw, tip(get("map")));
+const DRAG_MS = 100;
+let dragged = 0;
+const world = new WorldMap(get("world"), state, redraw, tip(get("world")), (box, done) => {
+  state.box = box;
+  if (!done && performance.now() - dragged < DRAG_MS) return;
+  dragged = performance.now();
+  send({ do: "box", x: box.x, y: box.y, size: box.size });
+});
+const charts = new Charts(get("charts"), redraw, tip(get("charts")), (row) => words.why(row), (at) => player.seek(at));
 const dials = new Dials(get("dials"));
 const health = new Health(get("health"), get("log"));
-const send = (command) => live.send(command);
 const player = new Player(send);
 const recordings = new Recordings(get("recordings"), get("recorded"), send);
 const over = new Over(send);
+const beside = new Beside(send, { charts, world });
 const tune = new Tune(get("parameters"), get("trims"), get("next-start"), send);
-const hand = new Hand(state, send, stop, auto);
-let heard = 0;
-let session = null;
-let changed = true;
-const redraw = () => { changed = true; };
 
+function stop() {
+  hand.release();
+  send({ do: "drive", what: "stop" });
+}
+
+function auto() {
+  hand.release();
+  send({ do: "drive", what: "auto" });
+}
+
+function manual() {
+  if (!state.ended) hand.take();
+}
+
+const hand = new Hand(state, send, stop, auto);
 // What the modules of further panels get: see panels.js.
 const page = { state, send, redraw, colours, say: (text) => health.say(text) };
 const panels = new Panels(page, state);
-Object.assign(map, { panels });
-Object.assign(world, { panels });
-
-// What is told once for each side, parameter or occasion is kept elsewhere, or not at all.
-const PASSING = ["connected", "candidates", "parameter", "reply", "refused", "log", "text", "event", "recording", "recordings", "jump", "ended"];
+map.panels = world.panels = panels;
 
 const HEAR = {
   connected(message) {
     for (const kind of Object.keys(state)) if (kind !== "parameter") delete state[kind];
     state.parameters = {};
-    tune.clear();
-    world.clear();
-    motion.clear();
-    charts.clear();
+    for (const part of [tune, world, motion, charts, map, beside]) part.clear();
     hand.release();
     session = null;
     state.ended = null;
@@ -69,9 +88,7 @@ const HEAR = {
     state.commands = message.commands;
   },
   jump() {
-    world.clear();
-    motion.clear();
-    charts.clear();
+    for (const part of [world, motion, map]) part.clear();
   },
   hello(message) {
     document.title = `${message.robot} – Gapseeker`;
@@ -86,6 +103,7 @@ const HEAR = {
     // Another page, the screen or the robot itself may have taken over.
     if (message.state !== "manual" && hand.longActive()) hand.release();
   },
+  points(message) { map.note(message); },
   wheels(message) { dials.show(message); },
   truth(message) { world.note(message); },
   pose(message) {
@@ -108,8 +126,13 @@ const HEAR = {
     player.recording(message.path, message.saved);
     if (message.saved) recordings.ask();
   },
+  run(message) { beside.whole(message); },
+  other(message) { beside.also(message); },
   recordings(message) { recordings.show(message.list); },
-  playback(message) { player.playback(message); },
+  playback(message) {
+    player.playback(message);
+    charts.cursor = message.position;
+  },
   reply(message) {
     if (message.command === "keep") tune.kept(message);
     if (message.status !== "ok" || message.text) health.say(`${message.command}: ${message.text || message.status}`);
@@ -118,6 +141,7 @@ const HEAR = {
   refused(message) {
     health.say(message.text);
     if (message.do === "open") player.refused(message.text);
+    if (message.do === "run_again" || message.do === "compare") beside.say(message.text, true);
     if (message.do === "again") over.refused(message.text);
   },
   log(message) { health.say(message.text); },
@@ -136,140 +160,73 @@ const live = new Live((message) => {
   HEAR[message.type]?.(message);
   panels.hear(message);
   heard = performance.now();
-  changed = true;
+  redraw();
 }, () => {
   hand.release();
-  state.lost = true;
-  changed = true;
+  redraw();
 });
+const words = new Words(state, live, hand);
 
-function stop() {
-  hand.release();
-  send({ do: "drive", what: "stop" });
-}
-
-function auto() {
-  hand.release();
-  send({ do: "drive", what: "auto" });
-}
-
-function manual() {
-  if (state.ended) return;
-  hand.take();
-}
-
-get("stop").onclick = stop;
-get("auto").onclick = auto;
-get("manual").onclick = manual;
+Object.assign(get("stop"), { onclick: stop });
+Object.assign(get("auto"), { onclick: auto });
+Object.assign(get("manual"), { onclick: manual });
 get("keep").onclick = () => send({ do: "keep" });
 get("keep-restart").onclick = () => tune.restart(true);
 get("restart").onclick = () => tune.restart(false);
-// Switches are buttons: the space bar, which turns a tick box, stops the robot here.
-for (const id of ["scan", "candidates", "legend"]) {
-  get(id).onclick = () => {
-    get(id).setAttribute("aria-pressed", !pressed(id));
-    if (id === "legend") get("legend-box").hidden = !pressed(id);
-    else if (!pressed(id)) delete state[id];
-    if (id !== "legend") watch();
+listen(hand, { stop, auto, manual }, () => state.commands && !state.ended);
+
+for (const id of ["scan", "candidates"]) {
+  toggle(get(id), (on) => {
+    if (!on) delete state[id];
+    watch();
     redraw();
-  };
+  });
 }
+toggle(get("legend"), (on) => {
+  get("legend-box").hidden = !on;
+  legend(get("legend-box"));
+});
+toggle(get("ages"), (on) => {
+  map.shown.ages = on;
+  redraw();
+});
 
 function watch() {
-  if (state.commands) send({ do: "watch", scan: pressed("scan"), candidates: pressed("candidates") });
+  if (state.commands) send({ do: "watch", scan: isOn(get("scan")), candidates: isOn(get("candidates")) });
 }
 
-// Which map is seen where there is room for one.
-for (const [view, title] of [["robot", "Round the robot"], ["world", "From above"]]) {
-  const button = document.createElement("button");
-  Object.assign(button, { type: "button", textContent: title });
-  button.setAttribute("role", "radio");
-  button.setAttribute("aria-checked", view === "robot");
-  button.onclick = () => {
-    get("stage").dataset.view = view;
-    for (const one of get("views").children) one.setAttribute("aria-checked", one === button);
-    redraw();
-  };
-  get("views").append(button);
-}
+choices(get("views"), [["robot", "Round the robot"], ["world", "From above"]], "robot", (view) => {
+  get("stage").dataset.view = view;
+  redraw();
+});
+const follows = choices(get("follows"), [["whole", "All"], ["follow", "Follow"]], "whole", (mode) => world.view.choose(mode));
+world.view.changed = () => follows(world.view.mode);
+get("nearer").onclick = () => world.view.zoom(1.4);
+get("farther").onclick = () => world.view.zoom(1 / 1.4);
+choices(get("spans"), [[10, "10 s"], [30, "30 s"], [120, "2 min"], [Infinity, "all"]], 30, (span) => {
+  charts.span = span;
+  charts.to(Infinity);
+});
+get("scroll").oninput = () => charts.to(Number(get("scroll").value));
 
-// Elements that the arrow keys belong to.
-const ARROWS = "input, select, [role=tab], [role=img]";
-
-addEventListener("keydown", (event) => {
-  const writing = event.target.matches("input:not([type=range]):not([type=checkbox]), select");
-  // The space bar stops wherever the focus is: nothing here needs a space typed.
-  if (event.code === "Space") {
-    event.preventDefault();
-    if (!event.repeat) stop();
-  } else if (writing || event.ctrlKey || event.metaKey || event.altKey || !state.commands || state.ended) {
-    return;
-  } else if (!event.target.matches(ARROWS) && hand.key(event.code, true)) {
-    event.preventDefault();
-  } else if (event.code === "KeyA") {
-    auto();
-  } else if (event.code === "KeyM") {
-    manual();
-  } else if (/^Digit[1-5]$/.test(event.code)) {
-    hand.choose(Number(event.code.slice(5)) - 1);
-  }
-}, true);
-addEventListener("keyup", (event) => {
-  if (event.code === "Space") event.preventDefault();
-  hand.key(event.code, false);
-}, true);
-
-function words() {
-  const decision = state.decision;
-  const pill = get("state");
-  let name = decision?.state || "connecting", reason = "";
-  if (state.ended) {
-    name = "ended";
-    reason = get("over").hidden ? state.ended : ""; // which says it
-  } else if (!live.socket) {
-    name = "no monitor";
-    reason = "the monitor has been closed, or its network is gone";
-  } else if (state.commands && heard && performance.now() - heard > SILENT_MS) {
-    name = "silent";
-    reason = "nothing heard from the robot";
-  } else if (state.health?.fault) {
-    name = "fault";
-    reason = state.names?.faults?.[state.health.fault] || `fault ${state.health.fault}`;
-  } else if (decision) {
-    reason = state.names?.reasons?.[decision.why] || "";
-  }
-  // After power-up it waits for a person.
-  const waits = name === "waiting";
-  get("auto").classList.toggle("main", waits);
-  get("auto").firstChild.data = waits ? "Start " : "Auto ";
-  pill.textContent = name;
-  pill.className = `pill ${name}`;
-  get("reason").textContent = reason;
-  get("manual").classList.toggle("on", hand.active);
-  if (decision) {
-    const speed = state.wheels ? Math.max(...state.wheels.speeds.map(Math.abs)) : 0;
-    get("numbers").textContent = `AF ${decision.af}° AR ${decision.ar}° V ${decision.v}, mode ${decision.mode}, free ${decision.free} mm, ${Math.round(speed)} mm/s`;
-  }
-  const place = state.truth || state.pose;
-  if (place) {
-    get("place").textContent = `x ${Math.round(place.x)} y ${Math.round(place.y)} mm, heading ${Math.round(place.heading)}°`
-      + (state.truth?.clearance != null ? `, clearance ${Math.round(state.truth.clearance)} mm` : "");
-  }
-}
-
-let drawn = 0;
 function draw() {
   if (changed) {
     changed = false;
+    beside.at(charts.cursor ?? charts.length, stops(charts.rows));
     map.draw();
     world.draw();
     charts.draw();
+    Object.assign(get("scroll"), { min: Math.min(charts.shown, charts.length), max: charts.length });
+    if (document.activeElement !== get("scroll")) get("scroll").value = charts.edge;
     document.body.dataset.drawn = ++drawn;
   }
-  words();
+  words.show(heard);
   requestAnimationFrame(draw);
 }
 const sized = new ResizeObserver(redraw);
 for (const id of ["map", "world", "charts"]) sized.observe(get(id));
-onTheme(redraw);
+onTheme(() => {
+  legend(get("legend-box"));
+  redraw();
+});
 draw();

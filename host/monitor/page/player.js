@@ -25,6 +25,11 @@ export class Player {
     slider.oninput = () => send({ do: "play", position: Number(slider.value) });
   }
 
+  // Go to a time of the recording that is open; there is none of a robot.
+  seek(at) {
+    if (!this.get("player").hidden) this.send({ do: "play", position: at });
+  }
+
   open(address) {
     this.refused(address ? "" : "write where the robot is: twin:z?width=550, serial:/dev/ttyUSB0, udp:robot.local, file:out/drive.rec");
     if (address) this.send({ do: "open", address });

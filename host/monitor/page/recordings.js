@@ -26,7 +26,11 @@ export class Recordings {
     words.append([clock(length), result].filter(Boolean).join(", "), name);
     button.append(picture(way), words);
     button.onclick = () => this.send({ do: "open", address: `file:${path}` });
-    entry.append(button);
+    const beside = document.createElement("button");
+    Object.assign(beside, { type: "button", textContent: "Beside", title: "show it beside what is open" });
+    beside.setAttribute("aria-label", `show ${path} beside what is open`);
+    beside.onclick = () => this.send({ do: "compare", path });
+    entry.append(button, beside);
     return entry;
   }
 }
@@ -42,7 +46,7 @@ function picture(way) {
   svg.setAttribute("viewBox", `${left - room} ${top - room} ${Math.max(...xs) - left + 2 * room || 1} ${Math.max(...ys) - top + 2 * room || 1}`);
   const line = document.createElementNS(SVG, "polyline"), dot = document.createElementNS(SVG, "circle");
   line.setAttribute("points", way.map(([x, y]) => `${x},${-y}`).join(" "));
-  line.setAttribute("style", "fill: none; stroke: var(--accent); stroke-width: 2px; vector-effect: non-scaling-stroke");
+  line.setAttribute("style", "fill: none; stroke: var(--chosen); stroke-width: 2px; vector-effect: non-scaling-stroke");
   for (const [key, value] of Object.entries({ cx: way[0][0], cy: -way[0][1], r: size * 0.04, fill: "var(--text)" })) dot.setAttribute(key, value);
   svg.append(line, dot);
   return svg;

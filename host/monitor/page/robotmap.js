@@ -1,14 +1,29 @@
-// The map, head up: what the robot sees, what it means to do, and what stops it.
+// The map round the robot, its nose up: what it sees, what it means to do, and what stops it.
 
 import { line, polygon, prepare } from "./canvas.js";
-import { bodyOf, carry, corners, firstHit, pose, sweep, twist, wheels, zones } from "./geometry.js";
+import { Candidates } from "./candidates.js";
+import { bodyOf, carry, corners, pose, sweep, twist, wheels, zones } from "./geometry.js";
+import { Memory, OLD_S } from "./memory.js";
+import { WINDOWS, cross, mark } from "./marks.js";
 import { colours, faded } from "./theme.js";
+import { View } from "./view.js";
 
-export class HeadUp {
-  constructor(canvas, state, motion) {
-    this.canvas = canvas;
-    this.state = state;
-    this.motion = motion;
+const RINGS = [500, 1000, 1500, 2000];
+const NEAR_PX = 9;
+
+export class RobotMap {
+  // tip(text or "", x, y): words beside the pointer.
+  constructor(canvas, state, motion, redraw, tip) {
+    Object.assign(this, { canvas, state, motion, tip, candidates: new Candidates(state), memory: new Memory(), shown: { ages: false } });
+    this.view = new View(canvas, redraw);
+  }
+
+  clear() {
+    this.memory.clear();
+  }
+
+  note(points) {
+    this.memory.note(points, this.motion.at(points.time));
   }
 
   draw() {
@@ -17,21 +32,53 @@ export class HeadUp {
     const body = bodyOf(state.hello);
     const ahead = state.parameter("windows.look_ahead", 700);
     // All that the planning window holds, whichever way it looks, and a little more.
-    const scale = Math.min(width / (2 * Math.max(body.width / 2 + 520, 600)), height / (body.length + 2 * ahead * 0.9));
+    const whole = Math.min(width / (2 * Math.max(body.width / 2 + 520, 600)), height / (body.length + 2 * ahead * 0.9));
+    const { scale, x, y } = this.view.frame(width, height, { scale: whole, x: 0, y: 0 }, { x: 0, y: 0 });
     pen.translate(width / 2, height / 2);
     pen.scale(scale, -scale);
+    pen.translate(-x, -y);
     this.pixel = 1 / scale;
     this.seen = this.now(state.points);
+    const pointer = this.view.hover && this.view.point(this.view.hover.x, this.view.hover.y);
+    // Standing, it has refused nothing: what it found the last time it looked is of then.
+    this.candidates.judge(body, ahead, this.seen);
+    const moves = (state.decision?.v ?? 90) !== 90;
+    const pointed = moves && pointer ? this.candidates.at(pointer, this.pixel) : null;
 
     this.rings(pen);
     this.margins(pen, body, ahead);
     this.zones(pen, body);
-    this.rejected(pen, body, ahead);
+    if (moves) this.candidates.draw(pen, this.pixel, this.seen, pointed);
     this.envelope(pen, body, ahead);
     this.points(pen);
     this.body(pen, body);
     this.block(pen);
     this.panels?.draw("drawRobot", pen, { pixel: this.pixel });
+    this.tell(pointer, pointed, body);
+  }
+
+  // What lies under the pointer, in words.
+  tell(pointer, pointed, body) {
+    if (!pointer) return this.tip("");
+    const point = this.nearest(pointer);
+    const off = Math.hypot(Math.max(Math.abs(pointer.x) - body.width / 2, 0), Math.max(Math.abs(pointer.y) - body.length / 2, 0));
+    let text = `${Math.round(off)} mm from the body`;
+    if (point >= 0) {
+      const age = this.memory.ages[point];
+      text = `${WINDOWS[this.seen.window[point]]}, ${text}${age === undefined ? "" : `, remembered for ${age.toFixed(1)} s`}`;
+    } else if (pointed) {
+      text = this.candidates.words(pointed, this.seen, body);
+    }
+    return this.tip(text, this.view.hover.x, this.view.hover.y);
+  }
+
+  nearest(pointer) {
+    let best = -1, least = NEAR_PX * this.pixel;
+    this.seen?.x.forEach((x, i) => {
+      const d = Math.hypot(x - pointer.x, this.seen.y[i] - pointer.y);
+      if (d < least) [best, least] = [i, d];
+    });
+    return best;
   }
 
   // The points as the robot would see them from where it is now.
@@ -45,11 +92,22 @@ export class HeadUp {
   rings(pen) {
     pen.lineWidth = this.pixel;
     pen.strokeStyle = colours.faintLine;
-    for (const radius of [500, 1000, 1500]) {
+    for (const radius of RINGS) {
       pen.beginPath();
       pen.arc(0, 0, radius, 0, 2 * Math.PI);
       pen.stroke();
+      this.text(pen, `${radius / 1000} m`, radius * Math.SQRT1_2, -radius * Math.SQRT1_2);
     }
+  }
+
+  text(pen, text, x, y) {
+    pen.save();
+    pen.translate(x, y);
+    pen.scale(this.pixel, -this.pixel);
+    pen.font = "11px system-ui, sans-serif";
+    pen.fillStyle = colours.faint;
+    pen.fillText(text, 3, 3);
+    pen.restore();
   }
 
   margins(pen, body, ahead) {
@@ -59,12 +117,12 @@ export class HeadUp {
       pen.strokeRect(-w - margin, -l - margin, body.width + 2 * margin, body.length + 2 * margin);
     };
     pen.lineWidth = this.pixel;
-    frame(this.state.parameter("windows.red", 20), faded(colours.red, .4));
-    frame(this.state.parameter("windows.blue", 45), faded(colours.blue, .4));
+    frame(this.state.parameter("windows.red", 20), faded(colours.red, 0.5));
+    frame(this.state.parameter("windows.blue", 45), faded(colours.blue, 0.5));
     const side = this.state.parameter("windows.side", 300);
     const back = (this.state.decision?.v ?? 90) < 90;
     pen.setLineDash([8 * this.pixel, 6 * this.pixel]);
-    pen.strokeStyle = faded(colours.yellow, .4);
+    pen.strokeStyle = faded(colours.yellow, 0.45);
     pen.strokeRect(-w - side, back ? -l - ahead : -l, body.width + 2 * side, body.length + ahead);
     pen.setLineDash([]);
   }
@@ -72,11 +130,12 @@ export class HeadUp {
   zones(pen, body) {
     const { decision } = this.state;
     zones(body, Math.max(this.state.parameter("windows.blue", 45), 40)).forEach((zone, number) => {
-      const acts = decision && decision.zone === number;
       pen.beginPath();
       polygon(pen, zone);
-      pen.fillStyle = acts ? faded(colours.windows[decision.window], .6) : "transparent";
-      pen.fill();
+      if (decision && decision.zone === number) {
+        pen.fillStyle = faded(colours.windows[decision.window], 0.6);
+        pen.fill();
+      }
       pen.strokeStyle = colours.faintLine;
       pen.stroke();
     });
@@ -93,7 +152,7 @@ export class HeadUp {
     if (!distance) return;
     pen.beginPath();
     for (const outline of sweep(body, decision.af, decision.ar, distance)) polygon(pen, outline);
-    pen.fillStyle = faded(colours.chosen, .16);
+    pen.fillStyle = faded(colours.chosen, 0.16);
     pen.fill("nonzero");
     // Tracks of the corners: paper A, equation 18, as corrected.
     const t = twist(body, decision.af, decision.ar);
@@ -104,60 +163,27 @@ export class HeadUp {
     }
   }
 
-  rejected(pen, body, ahead) {
-    const { candidates, points } = this.state;
-    if (!this.judged || this.judged.candidates !== candidates || this.judged.points !== points) this.judged = { candidates, points, ways: this.judge(body, ahead) };
-    for (const { t, way, backward, point } of this.judged.ways) {
-      const lead = corners(body).slice(...(backward ? [2, 4] : [0, 2]));
-      pen.lineWidth = this.pixel;
-      pen.strokeStyle = faded(colours.refused, .25);
-      for (const corner of lead) line(pen, Array.from({ length: 9 }, (_, i) => carry(corner, pose(t, way * i / 8))));
-      if (point >= 0 && this.seen) this.cross(pen, [this.seen.x[point], this.seen.y[point]], faded(colours.refused, .7), 3);
-    }
-  }
-
-  // The candidates as the points allow them by now: what was found out about them is some moments old.
-  judge(body, ahead) {
-    const margin = this.state.parameter("avoid.margin", 9);
-    const ways = [];
-    for (const { list, backward } of Object.values(this.state.candidates || {})) {
-      for (const one of list) {
-        if (one.chosen) continue;
-        const t = twist(body, one.af, one.ar);
-        const told = one.free ?? ahead; // not looked at: the points tell all the same
-        const free = Math.min(told, ahead) * (backward ? -1 : 1);
-        const further = told >= ahead ? 0 : 60;
-        ways.push({ t, backward, ...(this.seen ? firstHit(body, t, free, this.seen, margin - 3, 30, further) : { way: free, point: -1 }) });
-      }
-    }
-    return ways;
-  }
-
   points(pen) {
     const { scan } = this.state;
-    const points = this.seen;
-    const dot = (x, y, size) => pen.fillRect(x - size / 2, y - size / 2, size, size);
     if (scan) {
-      pen.fillStyle = faded(colours.text, .25);
-      const shift = this.motion.from(scan.times[scan.times.length - 1]);
+      pen.fillStyle = faded(colours.text, 0.3);
+      const shift = this.motion.from(scan.times[scan.times.length - 1]), size = 3 * this.pixel;
       scan.distances.forEach((distance, i) => {
         if (!distance) return;
         const bearing = scan.bearings[i] * Math.PI / 180;
         const p = shift(distance * Math.sin(bearing), distance * Math.cos(bearing));
-        dot(p.x, p.y, 3 * this.pixel);
+        pen.fillRect(p.x - size / 2, p.y - size / 2, size, size);
       });
     }
-    if (!points) return;
-    points.x.forEach((x, i) => {
-      const kind = points.window[i];
-      pen.fillStyle = kind ? colours.windows[kind] : faded(colours.faint, .5);
-      dot(x, points.y[i], (kind ? 5 : 3) * this.pixel);
+    const { ages } = this.memory;
+    this.seen?.x.forEach((x, i) => {
+      mark(pen, x, this.seen.y[i], this.pixel, this.seen.window[i], this.shown.ages ? Math.min((ages[i] || 0) / OLD_S, 1) : 0);
     });
   }
 
   body(pen, body) {
     const w = body.width / 2, l = body.length / 2;
-    pen.fillStyle = faded(colours.body, .9);
+    pen.fillStyle = faded(colours.body, 0.9);
     pen.strokeStyle = colours.edge;
     pen.lineWidth = 2 * this.pixel;
     pen.beginPath();
@@ -166,7 +192,7 @@ export class HeadUp {
     pen.stroke();
     pen.beginPath();
     polygon(pen, [{ x: 0, y: l - 12 }, { x: -26, y: l - 52 }, { x: 26, y: l - 52 }]);
-    pen.fillStyle = faded(colours.edge, .4);
+    pen.fillStyle = faded(colours.edge, 0.4);
     pen.fill();
     const now = this.state.wheels;
     wheels(body).forEach((p, k) => {
@@ -174,10 +200,18 @@ export class HeadUp {
       pen.save();
       pen.translate(p.x, p.y);
       pen.rotate(-angle * Math.PI / 180);
-      pen.fillStyle = Math.abs(speed) < 3 ? colours.faint : colours.edge;
+      pen.fillStyle = colours.edge;
       pen.beginPath();
       pen.roundRect(-11, -30, 22, 60, 6);
       pen.fill();
+      // An arrow the way it rolls.
+      if (Math.abs(speed) >= 3) {
+        const tip = Math.sign(speed) * 40;
+        pen.beginPath();
+        polygon(pen, [{ x: 0, y: tip }, { x: -13, y: tip / 2 }, { x: 13, y: tip / 2 }]);
+        pen.fillStyle = colours.chosen;
+        pen.fill();
+      }
       pen.restore();
     });
     const lidar = body.lidar || [0, 0];
@@ -191,18 +225,9 @@ export class HeadUp {
     const { decision } = this.state;
     if (!decision?.block) return;
     const { x, y } = this.motion.from(decision.time)(...decision.block);
-    const block = [x, y];
-    this.cross(pen, block, colours.red, 7);
+    cross(pen, x, y, colours.red, 5, this.pixel);
     pen.beginPath();
-    pen.arc(block[0], block[1], 11 * this.pixel, 0, 2 * Math.PI);
+    pen.arc(x, y, 11 * this.pixel, 0, 2 * Math.PI);
     pen.stroke();
-  }
-
-  cross(pen, [x, y], colour, size) {
-    const d = size * this.pixel;
-    pen.strokeStyle = colour;
-    pen.lineWidth = 2 * this.pixel;
-    line(pen, [{ x: x - d, y: y - d }, { x: x + d, y: y + d }]);
-    line(pen, [{ x: x - d, y: y + d }, { x: x + d, y: y - d }]);
   }
 }
