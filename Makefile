@@ -7,7 +7,7 @@ INSTALLED := $(VENV)/.installed
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint coverage pythons check-all bench experiments flash deploy monitor screenshots budget drawings animation reference site
+.PHONY: help setup demo test lint coverage pythons check-all bench experiments soak flash deploy monitor screenshots budget drawings animation reference site
 
 help:  ## list the words
 	@sed -n 's/^\([a-z][a-z-]*\):[^#]*## /\1\t/p' $(MAKEFILE_LIST) | sort | awk -F'\t' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -60,6 +60,9 @@ bench: $(READY)  ## measure what the firmware's stages take, here and on the ESP
 
 experiments: $(READY)  ## run the papers' experiments and write docs/results.md (ARGS=--quick for a taste, --cluster ADDRESS)
 	@$(RUN) -m host.experiments $(ARGS)
+
+soak: $(READY)  ## drive random courses, rooms and faults for hours, and say what came of it (ARGS="--minutes 5", --cluster ADDRESS)
+	@$(RUN) -m host.soak $(ARGS)
 
 drawings: $(READY)  ## make the drawings of docs/planner.md anew, from a run of the firmware
 	@$(RUN) -m host.drawings

@@ -6,6 +6,7 @@ import signal
 import sys
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
+from functools import partial
 
 from tqdm import tqdm
 
@@ -18,12 +19,12 @@ class ClusterMissing(Exception):
     """No cluster can be had; the message says what to do."""
 
 
-def complete(runs, sources, store, executor, quiet=False):
-    """Execute the runs that are not in the store; returns {run: entry} of all. Those whose worker failed raise, after the rest is stored."""
+def complete(runs, sources, store, executor, quiet=False, work=execute):
+    """Execute the runs that are not in the store, by `work`; returns {run: entry} of all. Those whose worker failed raise, after the rest is stored."""
     waiting = {}
     for run in runs:
         if run.key(sources) not in store.done:
-            waiting[executor.submit(_execute, run, sources)] = run
+            waiting[executor.submit(partial(_execute, work=work), run, sources)] = run
     failed = None
     with tqdm(total=len(runs), initial=len(runs) - len(waiting), desc="runs", unit="run", disable=quiet or None) as bar:
         for future in as_completed(waiting):
@@ -52,8 +53,8 @@ def _end(*_):
     raise KeyboardInterrupt
 
 
-def _execute(run, sources):
-    entry = None if _over else execute(run, sources)
+def _execute(run, sources, work=execute):
+    entry = None if _over else work(run, sources)
     if _over:  # a run that was broken off is no result
         raise KeyboardInterrupt
     return entry
