@@ -9,23 +9,24 @@ _WHOLE = (
     797945680, 822533957, 846120103, 868675382, 890172314, 910584709, 929887696, 948057758, 965072758, 980911965, 995556082, 1008987268,
     1021189158, 1032146886, 1041847102, 1050277988, 1057429272, 1063292241, 1067859753, 1071126242, 1073087728, 1073741823,
 )  # fmt: skip
-# sin of 0, 0.1 .. 1 deg * 2**30, and 1 - cos of them * 2**36
-_SIN = (0, 1874032, 3748058, 5622073, 7496071, 9370046, 11243993, 13117905, 14991777, 16865604, 18739379)
-_ONE_LESS_COS = (0, 104666, 418663, 941990, 1674645, 2616627, 3767933, 5128558, 6698499, 8477751, 10466309)
+# sin of 0, 0.4 and 0.8 deg * 2**30, and 1 - cos of them * 2**36
+_SIN = (0, 7496071, 14991777)
+_ONE_LESS_COS = (0, 1674645, 6698499)
 
 
 def tables():
-    """(sines in steps of 0.1 deg, sines in steps of 2 deg) from 0 to 90 deg, as core/trig.py describes them.
+    """(sines in steps of 0.4 deg, sines in steps of 2 deg) from 0 to 90 deg, as core/trig.py describes them.
 
     sin(a + b) = sin(a) - sin(a) (1 - cos(b)) + cos(a) sin(b), a in whole 2 degrees.
     """
-    fine = array("H", bytes(2 * 901))
-    for k in range(901):
-        a = (k + 10) // 20
-        b = k - 20 * a
+    fine = array("H", bytes(2 * 227))
+    for k in range(226):
+        a = (k + 2) // 5
+        b = k - 5 * a
         s = _WHOLE[a] - (_product(_WHOLE[a], _ONE_LESS_COS[abs(b)]) >> 6)
         t = _product(_WHOLE[45 - a], _SIN[abs(b)])
-        fine[k] = (s + t if b >= 0 else s - t) >> 14
+        fine[k] = min((s + t if b >= 0 else s - t) + 8192 >> 14, 65535)
+    fine[226] = 65535  # read, but not used, where 90 deg are looked up
     return fine, array("i", _WHOLE)
 
 

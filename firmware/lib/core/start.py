@@ -77,16 +77,21 @@ def _build(path, note):
 
 
 def _trim():
-    """Let the modules' tables of names shrink to what the robot needs, on the board only: a dict gives room back only when it is emptied."""
+    """Let the tables of modules and their names shrink to what the robot needs, on the board only: a dict gives room back only when it is emptied."""
     if sys.implementation.name == "micropython":
         gone = _IMPORT_ONLY.split(" ")
         for module in sys.modules.values():
             names = module.__dict__
-            package = "__path__" in names  # later imports from it need its names
-            if package or "__file__" in names:  # no module of the interpreter's own
-                kept = [item for item in names.items() if package or item[0] not in gone]
-                names.clear()
-                names.update(kept)
+            if "__path__" in names:  # a package: its modules are found without it, but later imports need its own names
+                _shrink(names, [item for item in names.items() if type(item[1]) is not type(sys)])
+            elif "__file__" in names:  # no module of the interpreter's own
+                _shrink(names, [item for item in names.items() if item[0] not in gone])
+        _shrink(sys.modules, list(sys.modules.items()))
+
+
+def _shrink(table, kept):
+    table.clear()
+    table.update(kept)
 
 
 def _watch(robot):

@@ -14,8 +14,8 @@ _HALF_TURN = const(1800)
 _TURN = const(3600)
 
 
-# SIN: 0.0 .. 90.0 deg in steps of 0.1 deg, * 2**16, rounded down (65535 at 90 deg): shifted right by n it is the sine * 2**(16 - n), rounded
-# down, and with half a unit added first the same rounded to the nearest.
+# SIN: 0 .. 90 deg in steps of 0.4 deg, * 2**16, rounded (65535 at 90 deg, and once more behind it). What lies between is interpolated and comes out less
+# than a unit too small, as a table with all of them would be three times as large as any other array of its use.
 # COARSE_SIN: in steps of 2 deg, * 2**30 - 1, rounded; steering.py finds what lies between.
 SIN, COARSE_SIN = sines.tables()
 del sines
@@ -24,7 +24,7 @@ forget("core.sines")
 
 @micropython.viper
 def sin14(a: int) -> int:
-    """sin(a) * 2**14, rounded; `a` in 0.1 deg, any int."""
+    """sin(a) * 2**14, right to 0.75; `a` in 0.1 deg, any int."""
     table = ptr16(SIN)
     if a < 0 or a >= _TURN:
         a %= _TURN
@@ -34,12 +34,14 @@ def sin14(a: int) -> int:
         negative = 1
     if a > _RIGHT:
         a = _HALF_TURN - a
-    s = (table[a] + 2) >> 2
+    k = a >> 2
+    s = table[k]
+    s = (s + ((table[k + 1] - s) * (a & 3) >> 2) + 2) >> 2
     if negative:
         return -s
     return s
 
 
 def cos14(a):
-    """cos(a) * 2**14, rounded; `a` in 0.1 deg, any int."""
+    """cos(a) * 2**14, likewise."""
     return sin14(a + _RIGHT)

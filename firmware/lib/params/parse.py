@@ -42,34 +42,35 @@ def read(text):
         raise ConfigError("robot.json is not JSON: look for a missing comma, quote or bracket in line %d or just before" % line)
     if type(values) is not dict or not values:
         raise ConfigError("robot.json must hold one object, { ... }, with settings in it")
-    key = _doubled(text)
+    key = _doubled(text.encode())
     if key:
-        raise ConfigError("robot.json has %s twice: which is meant? Take one out" % key)
+        raise ConfigError("robot.json has %s twice: which is meant? Take one out" % key.decode())
     return values
 
 
 def _doubled(text):
-    """The first key that an object of the JSON has twice, or None: json takes the last of them without a word."""
+    """The first key that an object of the JSON has twice, or None: json takes the last of them without a word. In bytes: each letter looked at
+    would be a name for ever."""
     objects = []  # the keys of each that has begun
     at = 0
     while True:
-        start = text.find('"', at)
+        start = text.find(b'"', at)
         between = text[at:] if start < 0 else text[at:start]
         for bracket in between:
-            if bracket in "{[":
+            if bracket in b"{[":
                 objects.append([])
-            elif bracket in "}]":
+            elif bracket in b"}]":
                 objects.pop()
         if start < 0:
             return None
         at = start + 1
-        while text[at] != '"':
-            at += 2 if text[at] == "\\" else 1
+        while text[at] != 34:  # the closing quote, and no escaped one
+            at += 2 if text[at] == 92 else 1
         at += 1
         after = at
-        while text[after : after + 1] in (" ", "\n", "\r", "\t"):
+        while text[after] in b" \n\r\t":
             after += 1
-        if text[after : after + 1] == ":":
+        if text[after] == 58:  # a colon
             key = text[start:at]
             if key in objects[-1]:
                 return key

@@ -105,14 +105,18 @@ def insert(
             if a >= 1800:
                 a -= 1800
                 k = 1
-            if a <= 900:
-                s = sine[a] >> 2
-                c = sine[900 - a] >> 2
-            else:
-                s = sine[1800 - a] >> 2
-                c = 0 - (sine[a - 900] >> 2)
-            if k:
+            b = 900 - a
+            if b < 0:
+                a = 1800 - a
+                b = 0 - b
+                k += 2
+            s = sine[a >> 2]
+            s = (s + ((sine[(a >> 2) + 1] - s) * (a & 3) >> 2)) >> 2
+            c = sine[b >> 2]
+            c = (c + ((sine[(b >> 2) + 1] - c) * (b & 3) >> 2)) >> 2
+            if k & 1:
                 s = 0 - s
+            if k == 1 or k == 2:
                 c = 0 - c
             s = (d * s) >> 13
             c = (d * c) >> 13

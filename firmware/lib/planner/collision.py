@@ -266,13 +266,18 @@ def _sweep_arcs(consts: ptr16, jobs, points_x, points_y, table: ptr16, seconds: 
                 ray_c = 0
                 phi = front - limit
                 if phi > 16384:
-                    phi = (phi * 225) >> 12  # 0.1 deg
-                    if phi <= 1800:
-                        ray_c = 0 - (sine[phi - 900] >> 6)
-                        ray_s = sine[1800 - phi] >> 6
-                    else:
-                        ray_c = 0 - (sine[2700 - phi] >> 6)
-                        ray_s = 0 - (sine[phi - 1800] >> 6)
+                    phi = ((phi * 225) >> 12) - 900  # 0.1 deg
+                    ax = 0
+                    if phi > 900:
+                        phi = 1800 - phi
+                        ax = 1
+                    ray_c = sine[phi >> 2]
+                    ray_c = 0 - ((ray_c + ((sine[(phi >> 2) + 1] - ray_c) * (phi & 3) >> 2)) >> 6)
+                    phi = 900 - phi
+                    ray_s = sine[phi >> 2]
+                    ray_s = (ray_s + ((sine[(phi >> 2) + 1] - ray_s) * (phi & 3) >> 2)) >> 6
+                    if ax:
+                        ray_s = 0 - ray_s
                 while i >= 0:
                     dx = px[i] - xc
                     dy = py[i] - yc
