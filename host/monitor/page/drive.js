@@ -1,7 +1,5 @@
 // Driving by hand: keys, stick, gamepad, levers. Sends as long as it is in charge; what is not sent, the robot takes for a stop.
 
-import { Pads } from "./pads.js";
-
 const PERIOD_MS = 80;
 const LOCK = 60; // degrees of full steering
 
@@ -28,14 +26,14 @@ function crab(x, y) {
 }
 
 export class Hand {
-  // send(command), stop(), auto(): what the buttons of a gamepad do.
-  constructor(state, send, stop, auto) {
+  // send(command), stop(), auto(): what the buttons of a gamepad do. pads: Pads.
+  constructor(state, send, stop, auto, pads) {
     Object.assign(this, { state, send, stop, auto });
     this.active = false;
     this.mode = 0;
     this.keys = new Set();
     this.stick = { x: 0, y: 0 };
-    this.pads = new Pads();
+    this.pads = pads;
     this.build();
     setInterval(() => this.tick(), PERIOD_MS);
   }
@@ -52,6 +50,11 @@ export class Hand {
     });
     this.choose(0);
     const stick = document.getElementById("stick");
+    // On a phone it lies over the map while somebody drives by hand.
+    const phone = matchMedia("(max-width: 699px), (max-height: 559px)");
+    const lay = () => (phone.matches ? document.getElementById("stage") : document.getElementById("hand")).prepend(stick);
+    phone.onchange = lay;
+    lay();
     const move = (event) => {
       const box = stick.getBoundingClientRect();
       const x = (event.clientX - box.left) / box.width * 2 - 1, y = 1 - (event.clientY - box.top) / box.height * 2;
@@ -135,24 +138,24 @@ export class Hand {
     const seen = !document.hidden && (document.hasFocus?.() ?? true);
     const pads = this.pads.read(seen ? navigator.getGamepads?.() || [] : [], performance.now());
     if (pads.x || pads.y) this.take();
-    this.buttons(pads.hits);
+    this.buttons(pads.uses);
     x += pads.x;
     y += pads.y;
     const clip = (value) => Math.max(-1, Math.min(1, value));
     return { x: clip(x), y: clip(y) };
   }
 
-  buttons(hits) {
-    if (hits.includes(0) || hits.includes(1)) this.stop();
-    else if (hits.includes(9)) this.auto();
-    if (hits.includes(4)) this.choose((this.mode + 4) % 5);
-    if (hits.includes(5)) this.choose((this.mode + 1) % 5);
+  buttons(uses) {
+    if (uses.includes("stop")) this.stop();
+    else if (uses.includes("auto")) this.auto();
+    if (uses.includes("previous")) this.choose((this.mode + 4) % 5);
+    if (uses.includes("next")) this.choose((this.mode + 1) % 5);
   }
 
   tick() {
     const { x, y } = this.input();
     const knob = document.querySelector("#stick i");
-    knob.style.transform = `translate(${x * 3.1}rem, ${-y * 3.1}rem)`;
+    knob.style.transform = `translate(${x * 90}%, ${-y * 90}%)`;
     if (!this.active) return;
     let af = Number(this.levers.af.value), ar = Number(this.levers.ar.value), v = Number(this.levers.v.value);
     const { steer } = MODES[this.mode];

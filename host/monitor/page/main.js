@@ -11,6 +11,7 @@ import { Live } from "./live.js";
 import { legend } from "./marks.js";
 import { Motion } from "./motion.js";
 import { Over } from "./over.js";
+import { Pads } from "./pads.js";
 import { Panels } from "./panels.js";
 import { Player } from "./player.js";
 import { Recordings } from "./recordings.js";
@@ -53,7 +54,7 @@ const player = new Player(send);
 const recordings = new Recordings(get("recordings"), get("recorded"), send);
 const over = new Over(send);
 const beside = new Beside(send, { charts, world });
-const tune = new Tune(get("parameters"), get("trims"), get("next-start"), send);
+const tune = new Tune(send, state);
 
 function stop() {
   hand.release();
@@ -69,9 +70,10 @@ function manual() {
   if (!state.ended) hand.take();
 }
 
-const hand = new Hand(state, send, stop, auto);
+const pads = new Pads();
+const hand = new Hand(state, send, stop, auto, pads);
 // What the modules of further panels get: see panels.js.
-const page = { state, send, redraw, colours, say: (text) => health.say(text) };
+const page = { state, send, redraw, colours, pads, say: (text) => health.say(text) };
 const panels = new Panels(page, state);
 map.panels = world.panels = panels;
 
