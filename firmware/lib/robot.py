@@ -13,6 +13,7 @@ _START = const(18)  # reasons.START
 
 _ABRUPT = const(10)  # V
 
+_SLICES = const(6)  # of the decision before it waits for the next frame
 _PART = const(2)  # place in the watchdog's note, and who is at work
 _LIDAR = const(1)
 _PLANNER = const(2)
@@ -35,16 +36,16 @@ class Robot:
         robot(self, config, avoid, lidar, drive, safety, health, link, screen)
 
     def step(self):
-        """Once round. Returns True if a lidar frame was taken in.
+        """Once round. Returns True if there is more to do at once: a frame was taken in, or a decision is under way.
 
         Whatever goes wrong in link or screen is counted and told. In what drives the robot, it stops it until a person starts it again.
         """
         note = self.note
         keep = self.keep
         now = ticks_us()
-        seen = False
+        busy = False
         try:
-            seen = self._drive_on(now, note, keep)
+            busy = self._drive_on(now, note, keep)
         except Exception as error:
             self._fail(error)
         try:
@@ -59,11 +60,12 @@ class Robot:
         except Exception as error:
             self._survive(error)
         self.feed()
-        return seen
+        return busy
 
     def _drive_on(self, now, note, keep):
         """A turn does one long thing: it takes in frames, or writes the chips, or works at the decision. So none takes longer than a frame of the
-        lidar, and none is put off for ever: after a frame come the chips, if they are due, and a slice of the decision, then the next frame.
+        lidar, and none is put off for ever: after a frame come the chips, if they are due, and a slice of the decision, then the next frame. True
+        when the next turn should come at once.
         """
         lidar = self.lidar
         drive = self.drive
@@ -85,7 +87,7 @@ class Robot:
             seen = True
         safety = self.safety
         due = drive.due(now) and not seen
-        self._owed = False
+        self._owed = 0
         if not safety.check(now):
             self._stand(safety, seen)
         elif safety.state == telemetry.MANUAL:
@@ -104,8 +106,8 @@ class Robot:
             note[_PART] = _PLANNER
             keep(note)
             self._watch_out()
-            self._slices = 2 if drive.v256 else 3  # there is time for so many until the next frame; a robot that stands may be late
-            self._owed = True
+            self._slices = _SLICES
+            self._owed = 1 if drive.v256 else 2  # a robot that stands may be late
         elif self._slices:
             if due:
                 self._owed = owed
@@ -114,11 +116,13 @@ class Robot:
                 keep(note)
                 self._slices -= 1
                 self._decide()
+                if owed and avoid.decision.busy:
+                    self._owed = owed - 1
         if due:
             note[_PART] = _DRIVE
             keep(note)
             drive.update(now)
-        return seen
+        return self._owed > 0 or self._slices > 0 and avoid.decision.busy
 
     def off(self):
         """Everything off, for good. The chips go on with what they last heard: whatever ends the loop must not leave the wheels turning."""

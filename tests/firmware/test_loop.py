@@ -13,6 +13,7 @@ from core.axles import lay_out
 from lidar import Lidar
 from params.config import Config
 from pca9685 import PCA9685
+from planner.decision import REST
 from safety.health import Health
 from safety.safety import Safety
 
@@ -94,6 +95,29 @@ def _check(mode):
         assert robot.avoid.decisions > 15, robot.avoid.decisions
         assert stages == (1 << len(robot.avoid.decision.STAGES)) - 1, bin(stages)
         assert bus.chips[0x40].running() and bus.chips[0x41].bursts > 20
+
+
+def test_a_turn_says_whether_the_next_should_come_at_once():
+    """After a frame, and while a decision is under way, no time is slept away; at rest, and after some slices without a frame, it is."""
+    clock = _Clock()
+    robot, _ = _robot("AWS", clock)
+    scan = rooms.revolution(*_ROOMS[0])
+    uart = robot.lidar.uart
+    uart.data = scan
+    most = 0
+    for _ in range(2 * rooms.FRAMES):
+        uart.waiting = True
+        clock.now += rooms.FRAME_US
+        assert robot.step() or robot.safety.fault  # a frame, which a decision follows
+        turns = 0
+        while robot.step():
+            assert robot.avoid.decision.stage != REST or robot.avoid.decision.renewing
+            turns += 1
+        assert turns <= 7  # six slices and the chips
+        most = max(most, turns)
+    assert most and not robot.safety.fault
+    robot.safety.stop()
+    assert not robot.step()
 
 
 def test_the_loop_goes_through_all_stages_in_a_locked_heap():

@@ -50,7 +50,7 @@ def build(self, config):
     decision.two_step = two_step
     decision.plan = plan
     decision.backward = _BACKWARD if config.mode == "AWS" else _BACKWARD_NAWS
-    decision.decided = False
+    decision.decided = decision.busy = False
     decision.here = 0  # cost to go where the decision began
     decision.side = 0  # the mirroring that is being looked through
     decision.next = 0  # the candidate at which the next slice goes on

@@ -71,7 +71,7 @@ def away(place, odometry, reach, heading):
 class Decision:
     """Fills in the plan, stage by stage. Laid out by planner/build.py.
 
-    stage     number of the stage that comes next, of STAGES
+    stage     number of the stage that comes next, of STAGES; busy: whether there is more to do at once
     scores    by mirroring: LENGTHS for each candidate, see move_cost.py; only while a decision is being made
     """
 
@@ -79,6 +79,7 @@ class Decision:
         """One slice of the stage that is due. True when the plan holds a new decision."""
         self.decided = False
         self.stage = self.STAGES[self.stage](self, odometry)
+        self.busy = self.renewing or self.stage != REST
         return self.decided
 
     def _make_cost_to_go(self, odometry):

@@ -18,6 +18,7 @@ NOTHING = const(65535)
 _FREE = const(65535)  # where there are no points
 _SLICE = const(1800)  # candidate tests in one slice
 _OVERHEAD = const(76)  # what is done once for a candidate, its five ends above all, in tests
+_BOUNDS = const(40)  # lower bounds in one slice
 _BEST_FIRST = const(190)  # ... to find and to check the one with the least lower bound
 _UNITS = const(100 * 1200)  # weights are in percent, over 120 degrees
 
@@ -251,7 +252,7 @@ class MoveCost:
         env = self._candidates
         if env.ahead_end <= first < env.arcs:
             first = env.arcs
-        last = min(first + in_a_slice(0), env.ahead_end if first < env.ahead_end else env.count)
+        last = min(first + _BOUNDS, env.ahead_end if first < env.ahead_end else env.count)
         self._prepare(mirroring, first, last, 1, af, ar, 0, 1)
         self._run(free, free, scores)
         return last

@@ -31,8 +31,8 @@ def robot(self, config, avoid, lidar, drive, safety, health, link, screen):
     self.trust = safety.trust
     self.took_us = 0
     self._slices_us = 0
-    self._slices = 0  # of the decision, still to be made before the next frame
-    self._owed = False  # one of them at least
+    self._slices = 0  # of the decision, which may still be made before the next frame
+    self._owed = 0  # so many of them at least
     self._hand = None  # planner.hand.by_hand while it is needed
     self._by_hand = 0  # how far V may lie from 90 by the last frame
 

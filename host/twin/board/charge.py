@@ -310,8 +310,9 @@ def _make_drive(self, steering, servo_chip, motor_left, motor_right, output_enab
 @_wraps(_STEP, "robot:Robot.step")
 def _step(self):
     enter()
+    before = self.lidar.frames
     out = _originals[_STEP](self)
-    leave(_STEP, 1 if out else 0, 0)
+    leave(_STEP, 0 if self.lidar.frames == before else 1, 0)
     return out
 
 
