@@ -141,9 +141,9 @@ def play(what, tape, robot, board, firmware, *extra, said=b"", tables=None):
         ]
         try:
             with open(Path(folder) / "said", "rb") as line:
-                done = subprocess.run(command, cwd=folder, stdin=line, capture_output=True, timeout=LIMIT_S)
+                done = micropython.run(command, LIMIT_S, cwd=folder, stdin=line, capture_output=True)
         except subprocess.TimeoutExpired:
-            raise BenchError(f"the firmware was not through with {tape.name} after {LIMIT_S} s") from None
+            raise BenchError(f"the firmware was not through with {tape.name} after {LIMIT_S} s of computing") from None
         if done.returncode or not log.exists():
             said = (done.stdout + done.stderr).decode(errors="replace")
             trace = said[said.rfind("Traceback") :].strip() if "Traceback" in said else f"it ended with code {done.returncode}\n{said[-300:]}".strip()

@@ -82,7 +82,7 @@ def start(folder: Path, what: str = "end", heap: int = LARGE, turns: int = TURNS
     port = micropython.find()
     command = [*port.command, "-X", f"heapsize={heap * port.heap_factor}", "board/measure.py", what, str(turns), str(bare()), str(leave)]
     with open(folder / "commands.bin", "rb") as commands:
-        done = subprocess.run(command, cwd=folder, stdin=commands, capture_output=True, timeout=_PATIENCE_S, env={**os.environ, "PYTHONHASHSEED": "0"})
+        done = micropython.run(command, _PATIENCE_S, cwd=folder, stdin=commands, capture_output=True, env={**os.environ, "PYTHONHASHSEED": "0"})
     told = folder / "told"
     lines = told.read_text().splitlines() if told.exists() else []
     told.unlink(missing_ok=True)

@@ -9,6 +9,7 @@ in its 32-bit machine integers. Debian packages one for i386, which any x86-64 L
 system (`debian.fetch`). Elsewhere the 64-bit unix port from PyPI stands in for it, with twice the heap.
 """
 
+from .limited import run
 from .ports import ENGINES, Port, ToolMissing, cross_compiler, find
 
-__all__ = ["ENGINES", "Port", "ToolMissing", "cross_compiler", "find"]
+__all__ = ["ENGINES", "Port", "ToolMissing", "cross_compiler", "find", "run"]

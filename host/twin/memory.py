@@ -7,11 +7,11 @@ board's are in ROM.
 
 import json
 import os
-import subprocess
 import tempfile
 import zlib
 from pathlib import Path
 
+from host import micropython
 from host.micropython import mpy
 
 from . import image, wire
@@ -71,7 +71,7 @@ def _probe(port, board, chip, radio, fault):
         try:
             os.write(twin, bytes(wire.SHORT) + wire.FAR.to_bytes(4, "little").ljust(wire.REPLY, b"\0"))  # nothing happens, for long
             words = [*port.command, "-X", f"heapsize={_PROBED * port.heap_factor}", "-m", "bootstrap", str(answer), str(nobody.fileno()), "0", "1"]
-            done = subprocess.run(words, cwd=folder, pass_fds=(answer, nobody.fileno()), capture_output=True, text=True, timeout=60)
+            done = micropython.run(words, 60, cwd=folder, pass_fds=(answer, nobody.fileno()), capture_output=True, text=True)
         finally:
             os.close(answer)
             os.close(twin)

@@ -2,6 +2,9 @@
 
 import os
 import platform
+import subprocess
+import sys
+import time
 
 import pytest
 
@@ -136,3 +139,12 @@ def test_machine_code_is_counted_by_file(tmp_path):
     assert list(once) == ["lib/a.py"] and 20 < once["lib/a.py"] < 200
     (tmp_path / "lib" / "b.py").write_text((tmp_path / "lib" / "a.py").read_text().replace("viper", "native"))
     assert list(mpy.machine_code_bytes(tmp_path)) == ["lib/a.py", "lib/b.py"]
+
+
+def test_a_program_is_ended_by_its_own_computing_and_not_by_the_clock():
+    """A second of processor time for one that takes much of the clock's, as on a busy machine, and too little for one that computes for ever."""
+    began = time.monotonic()
+    assert micropython.run([sys.executable, "-c", "import time; time.sleep(1.5)"], 1).returncode == 0
+    assert time.monotonic() - began > 1.4
+    with pytest.raises(subprocess.TimeoutExpired):
+        micropython.run([sys.executable, "-c", "while True: pass"], 1)
