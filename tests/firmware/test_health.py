@@ -126,9 +126,9 @@ def test_the_heap_is_counted_while_it_stands_only():
     drive = Part()
     health = make(None, drive)
     counted = health.heap_free = -1
-    drive.v256 = 100
+    drive.told_v256 = 100
     run(health, 0, 21_000_000, 50_000)
     assert health.heap_free == counted
-    drive.v256 = 0
+    drive.told_v256 = 0
     health.check(21_000_000)
     assert health.heap_free != counted

@@ -48,7 +48,8 @@ class Bench:
     def __init__(self, button=None, adc=None, autostart=True, hung=False, start_us=0, trust=None):
         self.lidar, self.drive = Part(), Part()
         self.now = start_us
-        self.safety = Safety(self.lidar, self.drive, Health(self.drive, adc, Config), button and StopButton(button), trust, autostart, hung)
+        self.health = Health(self.drive, adc, Config)
+        self.safety = Safety(self.lidar, self.drive, self.health, button and StopButton(button), trust, autostart, hung)
 
     def run(self, ms, step_us=5000):
         """True if it may move at the end of so many ms."""
@@ -151,6 +152,20 @@ def test_an_exception_stops_it_until_a_person_starts_it():
         bench.safety.start(MANUAL)
         bench.run(600)
         assert bench.run(5) and bench.safety.state == MANUAL
+
+
+def test_a_heap_that_is_nearly_gone_stops_it_until_there_is_room_and_a_person_starts_it():
+    bench = Bench()
+    assert bench.run(100)
+    bench.health.heap_free = 4095
+    assert not bench.run(5) and bench.safety.fault == faults.MEMORY and bench.safety.state == STOPPED
+    bench.safety.start(AUTO)
+    assert not bench.run(1000) and bench.safety.fault == faults.MEMORY
+    bench.health.heap_free = 4096
+    assert not bench.run(1000) and bench.safety.state == STOPPED
+    bench.safety.start(AUTO)
+    bench.run(600)
+    assert bench.run(5)
 
 
 def test_a_low_battery_slows_and_an_empty_one_stops():

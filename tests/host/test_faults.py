@@ -172,6 +172,19 @@ def test_lidar_sectors_never_sent(board, name, missing, half, changes):
     assert all(abs(middle) < half for middle in middles)
 
 
+def test_lidar_hole(board):
+    _, log = board("lidar-hole@2", limit_s=3)
+    starts = {lidar.start_of(data) for data in log.after(SETTLED)}
+    assert len(starts) == 15 and len({lidar.start_of(data) for data in whole(log.after(0))}) == 16
+
+
+def test_lidar_lost(board):
+    _, log = board("lidar-lost@2", limit_s=6)
+    times = np.array([time for time, data in log.frames if lidar.measures(data) and time > SETTLED])
+    gaps = np.diff(times) > 1.5 * np.median(np.diff(times))
+    assert gaps.sum() == 3
+
+
 def test_lidar_glass(board):
     _, frames = seen(board, "lidar-glass")
     for data in frames:

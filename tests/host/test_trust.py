@@ -25,6 +25,7 @@ HELD = 1500
         ("lidar-near", BLIND),
         ("lidar-half", BLIND),
         ("lidar-front", BLIND),
+        ("lidar-hole", 2.1 * REVOLUTION_MS),
         ("slip", HELD),
         ("slip-half", HELD),
         ("reversed", HELD),
@@ -73,6 +74,11 @@ def test_no_fault_where_there_is_none(course, settings):
     result = run(course, chip=inf, record=False, **settings)
     assert result.result == "pass"
     assert faults_of(result) == []
+
+
+def test_a_frame_lost_now_and_then_stops_nothing():
+    result = run("random", gap=380, seed=2, fault="lidar-lost@3", chip=inf, record=False, limit_s=16)
+    assert result.fault.driven_after_s > 5 and faults_of(result) == [] and not result.contacts
 
 
 def hall(far):

@@ -2,7 +2,7 @@
 
 The lidar's revolution is a ring of places, one for each frame. Trust is earned: it takes a whole revolution in which
 
-- no frame was missing, so that every place was heard of,
+- no two frames were missing, nor the same one as in the revolution before: every place was heard of, or both its neighbours were,
 - enough of the beams came back (lidar.returns): not at 0, not below lidar.near, not at lidar.far or beyond, and not all of a frame alike,
 - and not every frame was the same as that of its place a revolution before: real ranges waver.
 
@@ -88,6 +88,7 @@ _RATIO = const(17)  # sum of observed * expected
 _NEW = const(3)  # the same three of this revolution are so many places on
 _SINCE = const(21)  # frames since a fault of motion, up to _FORGET
 _BLOCKED = const(22)  # the way taken for blocked: 1 ahead, 2 behind, 0 neither
+_LONE = const(23)  # 0, or how much of a revolution is left until a frame may be missing again, counted like the rows
 
 
 @micropython.viper
@@ -153,13 +154,20 @@ class ScanTrust:
         self._border(lidar, odometry, rows, state, at)
         rows[at] = returns
         good = state[_GOOD]
-        missed = lidar.missed
-        if missed != state[_MISSED] or not n or state[_SEEN] * 100 * _ROW < state[_LEAST] * n * size or state[_ALIKE] >= size:
+        missed = lidar.missed - state[_MISSED]
+        lone = state[_LONE]
+        if missed > 1 or missed and lone or not n or state[_SEEN] * 100 * _ROW < state[_LEAST] * n * size or state[_ALIKE] >= size:
             good = 0
+        elif missed:
+            good = min(good, size)  # what is told of the motion has a hole now
         elif good < 2 * size:
             good += _ROW
         state[_GOOD] = good
-        state[_MISSED] = missed
+        if missed:
+            state[_MISSED] = lidar.missed
+            state[_LONE] = size  # until its place has been heard of again
+        elif lone:
+            state[_LONE] = lone - _ROW
         if state[_SINCE] < _FORGET:
             state[_SINCE] += 1
             if state[_SINCE] == _BACK:

@@ -6,7 +6,7 @@ from time import ticks_add, ticks_diff
 from micropython import const
 
 _BATTERY_US = const(100_000)
-_HEAP_US = const(10_000_000)
+_HEAP_US = const(1_000_000)
 _TOP_MV = const(3300)  # what the ADC reads as 65535, where the chip does not know better
 _SECOND_US = const(1_000_000)
 _LEAST_MV = const(2000)  # below this nothing is connected to the divider, or the robot runs from USB
@@ -14,12 +14,12 @@ _EMPTY_READINGS = const(20)  # so many in a row, or each start of the motors wou
 
 
 class Health:
-    """drive: has `ok` and `v256`; adc: ADC with `read_uv()`, or `read_u16()` where that raises OSError because the chip was not calibrated, or None;
+    """drive: has `told_v256`; adc: ADC with `read_uv()`, or `read_u16()` where that raises OSError because the chip was not calibrated, or None;
     config: battery_divider1000, battery_low, battery_empty (mV).
 
     battery_mv      smoothed, 0 when unknown; battery_low: True when it should be charged soon; lost: True when it was known and is not any more
     worst_us        longest time between two checks in the last second or two
-    heap_free       bytes, looked at seldom and only while the robot stands, because counting takes milliseconds
+    heap_free       bytes, looked at only while the motors are off, if only to swing the wheels, because counting takes milliseconds
     uptime_ms       since the first check
     empty           True from an empty battery on until it is charged: one whose wire comes off then is no better
     """
@@ -38,7 +38,7 @@ class Health:
         if self._adc is not None and ticks_diff(now_us, self._battery_us) >= _BATTERY_US:
             self._battery_us = now_us
             self._measure_battery()
-        if ticks_diff(now_us, self._heap_us) >= _HEAP_US and not self._drive.v256:
+        if ticks_diff(now_us, self._heap_us) >= _HEAP_US and not self._drive.told_v256:
             self._heap_us = now_us
             gc.collect()  # what commands have left behind, before it must be done while driving
             self.heap_free = gc.mem_free()

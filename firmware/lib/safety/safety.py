@@ -36,6 +36,7 @@ _HUNG = const(10)
 _SETTLE_US = const(500_000)  # what comes and goes must not make the robot jerk
 _LATE_US = const(100_000)
 _OFTEN_US = const(60_000_000)
+_LEAST = const(4096)  # bytes of heap: less is soon none, and what then fails is anybody's guess
 _SLOW_V = const(9)  # with a low battery: half the usual speed
 
 
@@ -111,6 +112,8 @@ class Safety:
         restarts = self._drive.restarts
         if restarts != self._restarts:
             self._lost(now_us, restarts)
+        if self._health.heap_free < _LEAST:
+            self._latched = _MEMORY
         if self._latched:
             self.state = STOPPED
             return self._latched

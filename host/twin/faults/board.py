@@ -45,7 +45,7 @@ named("exception-stop", "the planner raises an exception, and stopping the motor
 )
 named("memory-error", "the link raises MemoryError each time", kind="memory", part="link")(Part)
 named("memory-error-avoid", "the planner raises MemoryError each time", 100, 0, kind="memory", part="avoid")(Part)
-named("heap", "something eats the heap but for crumbs", 1500, 0, kind="heap", part="link")(Part)
+named("heap", "something eats the heap but for crumbs; it is counted when the motors pause", 5000, 0, kind="heap", part="link")(Part)
 named("slow", "each turn of the loop takes 400 ms more", 1000, 0, kind="slow", part="link", us=400_000)(Part)
 named("slow-150", "each turn of the loop takes 150 ms more", 500, 0, kind="slow", part="link", us=150_000)(Part)
 

@@ -8,6 +8,7 @@ from .base import Fault, named
 _POINTS_AT = 13
 _MEASUREMENT = 0xAD
 _TRUST_MS = 230  # one and a half revolutions
+_TWICE_MS = 320  # two, and a frame
 
 
 def measures(data):
@@ -125,6 +126,30 @@ class Missing(_Lidar):
             if abs(middle) < self._half:
                 return b""
         return data
+
+
+@named("lidar-hole", "one frame, ahead to the right, is never sent", within_ms=_TWICE_MS, again_s=0)
+@named("lidar-lost", "every 1.1 s a frame does not come through", every_us=1_100_000)
+class Lost(_Lidar):
+    """every_us: one of whatever direction so often; 0: always the same one."""
+
+    def __init__(self, every_us=0):
+        self._every = every_us
+        self._next = 0.0
+        self._place = None
+
+    def distort(self, time, data):
+        if not measures(data):
+            return data
+        if self._every:
+            lost = time >= self._next
+            if lost:
+                self._next = time + self._every
+        else:
+            if self._place is None and 0 < self.bearings(data).mean() < 45:
+                self._place = start_of(data)
+            lost = start_of(data) == self._place
+        return b"" if lost else data
 
 
 @named("lidar-glass", "the front 135 degrees return nothing, as from glass")
