@@ -13,7 +13,7 @@ class Config:
 
 class Part:
     ok = True
-    v256 = 0
+    told_v256 = 0
 
 
 class Adc:
