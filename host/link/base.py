@@ -87,9 +87,9 @@ class Link:
         """Ask for every parameter."""
         self._command(protocol.LIST, messages.plain)
 
-    def watch(self, scan: bool = False, candidates: bool = False) -> None:
-        """Ask for raw scans and for the candidates of each decision, or no longer."""
-        self._command(protocol.WATCH, lambda counter: messages.watch(counter, scan, candidates))
+    def watch(self, scan: bool = False, candidates: bool = False, turns: bool = False) -> None:
+        """Ask for raw scans, for the candidates of each decision and for what the turns of the loop are spent on, or no longer."""
+        self._command(protocol.WATCH, lambda counter: messages.watch(counter, scan, candidates, turns))
 
     def point(self, wheel: int, angle: float) -> None:
         """Turn one wheel alone, degrees."""

@@ -15,6 +15,7 @@ Every dict has `type`; angles are degrees, lengths mm, speeds mm/s or r/s, times
     candidates  time, side ("right" or "left"), backward, list of {af, ar, free, chosen}; free is None where others promised more, so that it was not looked at
     reply       counter, command, status, text
     names       reasons, faults
+    turns       time, count (turns of the loop since the last), parts (names), sums, most: ms that each part took of them, and at most of one
 
 Links add some of their own:
 
@@ -34,6 +35,7 @@ import struct
 from link import auth, protocol
 from params import schema
 from planner import reasons
+from safety.survive import PARTS
 
 STATES = ("stopped", "auto", "manual")  # "waiting", for its first start after power-up, is a decision of its own
 STATUSES = ("ok", "refused")
@@ -209,6 +211,12 @@ def _parameter(payload):
     return {**known, **told, "type": "parameter"}
 
 
+def _turns(payload):
+    time, count, *values = struct.unpack(protocol.TURNS_FORMAT, payload)
+    sums, most = values[0::2], values[1::2]
+    return {"type": "turns", "time": time / 1e6, "count": count, "parts": list(PARTS), "sums": [v / 1000 for v in sums], "most": [v / 1000 for v in most]}
+
+
 def _reply(payload):
     counter, kind, status = struct.unpack_from(protocol.REPLY_FORMAT, payload)
     text = payload[struct.calcsize(protocol.REPLY_FORMAT) :].decode(errors="replace")
@@ -235,6 +243,7 @@ _DECODERS = {
     protocol.CANDIDATES: _candidates,
     protocol.REPLY: _reply,
     protocol.NAMES: _names,
+    protocol.TURNS: _turns,
 }
 
 COMMANDS = {
@@ -269,8 +278,8 @@ def plain(counter: int) -> bytes:
     return struct.pack(protocol.COUNTER_FORMAT, counter)
 
 
-def watch(counter: int, scan: bool, candidates: bool) -> bytes:
-    return struct.pack(protocol.WATCH_FORMAT, counter, scan | candidates << 1)
+def watch(counter: int, scan: bool, candidates: bool, turns: bool = False) -> bytes:
+    return struct.pack(protocol.WATCH_FORMAT, counter, scan | candidates << 1 | turns << 2)
 
 
 def point(counter: int, wheel: int, angle: float) -> bytes:

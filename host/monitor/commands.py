@@ -50,7 +50,7 @@ TO_ROBOT: dict[str, Callable[[Link, dict], None]] = {
     "tune": lambda link, what: link.tune(str(what["key"]), what["value"]),
     "keep": lambda link, what: link.keep(),
     "list": lambda link, what: link.request_parameters(),
-    "watch": lambda link, what: link.watch(bool(what.get("scan")), bool(what.get("candidates"))),
+    "watch": lambda link, what: link.watch(bool(what.get("scan")), bool(what.get("candidates")), bool(what.get("turns"))),
     "restart": lambda link, what: link.restart(),
     "point": lambda link, what: link.point(int(what["wheel"]), float(what["angle"])),
 }

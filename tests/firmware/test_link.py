@@ -503,6 +503,34 @@ def test_candidates_on_request():
     assert struct.unpack_from("<BBB", right, 4) == (0, 255, 2)
 
 
+def test_what_turns_are_spent_on_is_told_on_request():
+    from link import turns
+
+    link, line, robot = make()
+    kept = []
+    robot.keep = keep = kept.append
+    now = [1000]
+    turns.ticks_us, before = lambda: now[0], turns.ticks_us
+    try:
+        line.receive(frame(protocol.WATCH, b"\1\0\0\0\4"))
+        link.update(1_000_000, robot)
+        assert robot.keep is not keep
+        for part, spent in ((1, 300), (4, 50), (1, 700), (2, 2000), (1, 0)):
+            robot.keep(bytes((71, 83, part, 0)))
+            now[0] += spent
+        told = run(link, line, robot, 1_000_000, 1_900_000)[protocol.TURNS]
+        count, *values = struct.unpack(protocol.TURNS_FORMAT, told[0])[1:]
+        assert count == 3 and values == [0, 0, 1000, 700, 2000, 2000, 0, 0, 50, 50, 0, 0]
+        assert [note[2] for note in kept] == [1, 4, 1, 2, 1]
+        # Told anew each time; and as it was once nobody asks any more.
+        assert not any(struct.unpack(protocol.TURNS_FORMAT, told[1])[1:])
+        line.receive(frame(protocol.WATCH, b"\2\0\0\0\0"))
+        link.update(2_000_000, robot)
+        assert robot.keep is keep and protocol.TURNS not in run(link, line, robot, 2_000_000, 3_000_000)
+    finally:
+        turns.ticks_us = before
+
+
 def test_what_is_told_once_waits_for_room():
     link, line, robot = make()
     line.full = True

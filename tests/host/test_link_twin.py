@@ -122,6 +122,19 @@ def test_everything_is_told_and_little_is_lost():
     assert 500 < len(scan["distances"]) < 700
 
 
+def test_what_the_chip_spends_its_turns_on():
+    watch = Hand([(3.5, protocol.WATCH, messages.watch(1, False, False, True)), (5.6, protocol.WATCH, messages.watch(2, False, False))])
+    run("Z", 620, watch=watch, limit_s=6.3, record=False, chip=1.0)
+    told = watch.told("turns")
+    assert len(told) in (3, 4)
+    for before, after in zip(told, told[1:]):
+        # All of the time is some part's; taking in frames and deciding take more of it than the chips do.
+        assert sum(after["sums"]) == pytest.approx(1000 * (after["time"] - before["time"]), rel=0.03)
+        share = dict(zip(after["parts"], after["sums"]))
+        assert share["planner"] > 20 and share["lidar"] > share["drive"] > 0 == share["screen"] and after["count"] > 30
+        assert all(most <= total for most, total in zip(after["most"], after["sums"]))
+
+
 def test_margins_and_look_ahead_count_from_the_next_start_and_everything_can_be_kept():
     """In the heap of the emulated board, with all that can be watched."""
     tuned = (("windows.look_ahead", 1000), ("avoid.soft_margin", 40), ("avoid.margin", 15), ("servos.trims.2", 0.5), ("drive.cruise", 110))

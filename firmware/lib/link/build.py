@@ -39,7 +39,7 @@ def set_up_link(self, config, identity, encoder, carriers, session, safety, sign
     self._fault = 0  # told last
     self._lost = False
     self._turn = config.lidar_frames  # of the lidar; told at the start only
-    self._watched = self._scan = None  # the module, while wanted; its ScanGatherer
+    self._watched = self._scan = self._turns = None  # the module, while wanted; its ScanGatherer; a Turns
     self._wanted = self._side = 0
     self._rare = None  # name of the module that is loaded for a rare command
     self._rare_us = 0

@@ -50,6 +50,7 @@ _NONCE_AT = const(13)  # in a GREET: behind the counter and one byte more
 _NONCE = const(8)
 _SCANS_WANTED = const(1)  # flags of WATCH
 _CANDIDATES_WANTED = const(2)
+_TURNS_WANTED = const(4)
 
 _DATAGRAMS = const(2)  # taken in a turn: checking a tag takes milliseconds
 _FRAMES = const(9)  # of the cable, likewise
@@ -164,6 +165,16 @@ class Link(Commands):
         elif self._watched is not None:
             self._watched = self._scan = None
             forget("link.watched")
+        if flags & _TURNS_WANTED:
+            if self._turns is None:
+                robot.drive.stop()
+                from link.turns import Turns
+
+                self._turns = Turns(robot)
+        elif self._turns is not None:
+            self._turns.end(robot)
+            self._turns = None
+            forget("link.turns")
         self._wanted = flags
 
     def _remark(self, robot):
@@ -263,6 +274,8 @@ class Link(Commands):
         if self._is_due(_HEALTH, now_us, _HEALTH_US):
             self._told_us[_HEALTH] = now_us
             return messages.health(data, robot, self.dropped, self.refused, len(self._carriers) > 1)
+        if self._turns is not None and self._turns.due(now_us):
+            return self._turns.take(data, now_us)
         return 0
 
     def _long(self, data, now_us, robot):

@@ -40,6 +40,7 @@ Robot to laptop
                    (left), bit 1: they are exchanged with their sign changed (backward)
     0B REPLY       counter u32 and type u8 of the command, status u8 (OK, REFUSED), UTF-8 text
     0C NAMES       JSON: reasons, faults (the texts that numbers point into); only when asked for by GREET
+    10 TURNS       time u32, turns of the loop u16 since the last; then for each part (see PARTS in survive.py) the sum u32 and the longest u32 of its times, us
 
 Laptop to robot; each payload begins with a counter u32
 
@@ -47,7 +48,7 @@ Laptop to robot; each payload begins with a counter u32
     42 TUNE        UTF-8 text key=value, value as in JSON; takes effect at once, until the robot restarts. Some count from the next start only,
                    and only if kept: the REPLY says so
     43 KEEP        write what was tuned to robot.json on the board
-    44 WATCH       flags u8: bit 0 send SCAN, bit 1 send CANDIDATES
+    44 WATCH       flags u8: bit 0 send SCAN, bit 1 send CANDIDATES, bit 2 send TURNS
     45 LIST        send every PARAMETER
     46 POINT       wheel u8 (2(i-1)+(j-1)), angle i16: turn this wheel alone while the robot stands; its trim is the parameter servos.trims.WHEEL
     47 GREET       what u8: bit 0 send HELLO and NAMES; then 8 random bytes, the nonce (may be left out). Over UDP the robot sends to whom it last heard a valid command from, for 3 s;
@@ -81,6 +82,7 @@ POSE = 0x09
 CANDIDATES = 0x0A
 REPLY = 0x0B
 NAMES = 0x0C
+TURNS = 0x10
 
 DRIVE = 0x41
 TUNE = 0x42
@@ -107,6 +109,7 @@ HEALTH_FORMAT = "<IIIHBBBIIIII"
 HELLO_FORMAT = "<8sI8s"
 POSE_FORMAT = "<IiiI"
 CANDIDATES_FORMAT = "<IBBB"
+TURNS_FORMAT = "<IH12I"
 REPLY_FORMAT = "<IBB"
 COUNTER_FORMAT = "<I"
 DRIVE_FORMAT = "<IBhhB"

@@ -19,6 +19,7 @@ import { RobotMap } from "./robotmap.js";
 import { colours, onTheme } from "./theme.js";
 import { tip } from "./tip.js";
 import { Tune } from "./tune.js";
+import { Turns } from "./turns.js";
 import { Words } from "./words.js";
 import { WorldMap } from "./worldmap.js";
 
@@ -50,6 +51,7 @@ const world = new WorldMap(get("world"), state, redraw, tip(get("world")), (box,
 const charts = new Charts(get("charts"), redraw, tip(get("charts")), (row) => words.why(row), (at) => player.seek(at));
 const dials = new Dials(get("dials"));
 const health = new Health(get("health"), get("log"));
+const turns = new Turns(get("turns-box"));
 const player = new Player(send);
 const recordings = new Recordings(get("recordings"), get("recorded"), send);
 const over = new Over(send);
@@ -113,6 +115,7 @@ const HEAR = {
     motion.note(message);
   },
   health(message) { health.show(message, state.names?.faults); },
+  turns(message) { turns.show(message); },
   parameter(message) {
     state.parameters[message.key] = message;
     tune.show(message);
@@ -184,6 +187,7 @@ for (const id of ["scan", "candidates"]) {
     redraw();
   });
 }
+toggle(get("turns"), watch);
 toggle(get("legend"), (on) => {
   get("legend-box").hidden = !on;
   legend(get("legend-box"));
@@ -194,7 +198,7 @@ toggle(get("ages"), (on) => {
 });
 
 function watch() {
-  if (state.commands) send({ do: "watch", scan: isOn(get("scan")), candidates: isOn(get("candidates")) });
+  if (state.commands) send({ do: "watch", scan: isOn(get("scan")), candidates: isOn(get("candidates")), turns: isOn(get("turns")) });
 }
 
 choices(get("views"), [["robot", "Round the robot"], ["world", "From above"]], "robot", (view) => {
