@@ -124,7 +124,8 @@ def _importing(name, space=None, local=None, wanted=None, level=0):
     """`import name`, charged and with the module's methods replaced when it is one of the firmware's that has not been loaded."""
     if name == "gc":
         return _Collector
-    for part in wanted or ():
+    # True: MicroPython looks for a module of a package whose table has been shrunk, see _trim in core/start.py.
+    for part in () if wanted is True else wanted or ():
         if name + "." + part in _sizes:
             _importing(name + "." + part, space, local, (part,), 0)
     if name not in _sizes or name in sys.modules:
