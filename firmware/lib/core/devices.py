@@ -48,6 +48,12 @@ def chips(once):
     return made[0], made[1], made[2], enable
 
 
+def servo_enable(once):
+    """Output enable of the servos' chip, where it has a pin of its own, so that an arm does not fall when the motors are switched off; or None."""
+    pin = machine.Pin
+    return None if once["pins_servo_enable"] is None else pin(once["pins_servo_enable"], pin.OUT, value=1)
+
+
 def inputs(once):
     """(PWM of the lidar's motor, Pin of the stop button, ADC of the battery's divider), None for each that is not there, and what is to be said."""
     pin = machine.Pin

@@ -5,6 +5,7 @@ back; machine code, which has to lie in a part of it; and the drivers of radio a
 """
 
 import gc
+import os
 import sys
 
 from micropython import const
@@ -59,6 +60,7 @@ def _build(path, note):
     wlan, remark = devices.radio(config)  # its memory must be there before the heap grows; it joins the network meanwhile
     lidar_line, screen_line = devices.uarts(once)  # the drivers' buffers come from the same memory
     servos, left, right, enable = devices.chips(once)
+    own = devices.servo_enable(once)
     motor, button, adc, doubt = devices.inputs(once)
     devices = None
     forget("core.devices", "link.wifi")
@@ -72,6 +74,7 @@ def _build(path, note):
     for remark in remarks + [doubt] * bool(doubt):
         link.log(1, remark)
     robot = _robot(config, avoid, lidar, drive, safety, health, link, screen_line)
+    _arm(config, drive, link, (servos, left, right), enable, own)
     config.once = None
     return robot
 
@@ -213,6 +216,20 @@ def _safety(config, lidar, drive, button, adc, note):
     health = Health(drive, adc, config)
     safety = Safety(lidar, drive, health, button, _trust(config), not stands, hung)
     return safety, health, remarks
+
+
+def _arm(config, drive, link, chips, enable, own):
+    """Where the board has an arm.json: the arm's servos beside those of the wheels."""
+    try:
+        os.stat("arm.json")
+    except OSError:
+        if own is not None:
+            raise ValueError("pins.servo_enable is for a robot with an arm: put arm.json on the board, or set it to null")
+        return
+    from arm.build import add
+
+    add(config, drive, link, chips, enable, own)
+    forget("arm.build", "actuation.wiring")
 
 
 def _robot(config, avoid, lidar, drive, safety, health, link, screen_line):

@@ -18,6 +18,8 @@ _WATCH = const(0x44)
 _LIST = const(0x45)
 _GREET = const(0x47)
 _RESTART = const(0x48)
+_ARM = const(0x50)
+_LAST = const(0x51)
 
 _OK = const(0)
 _REFUSED = const(1)
@@ -62,7 +64,7 @@ class Commands:
         signed = line.signed
         if signed:
             end -= _TAG
-        if not _DRIVE <= kind <= _RESTART or end < _HEADER + 4 or signed and not self._genuine(data, end):
+        if not _DRIVE <= kind <= _LAST or end < _HEADER + 4 or signed and not self._genuine(data, end):
             self.refused += 1
             return False
         payload = memoryview(data)[_HEADER:end]
@@ -104,7 +106,8 @@ class Commands:
             self.listing = 0
         elif kind != _GREET:
             driven = robot.drive.told_v256 != 0  # until the module is loaded
-            return self.rare(now_us, robot).carry_out(self, kind, payload, robot, driven)
+            rare = self.rare(now_us, robot, "arm.requests") if kind >= _ARM else self.rare(now_us, robot)
+            return rare.carry_out(self, kind, payload, robot, driven)
         elif len(payload) > 4 and payload[4] & 1:
             self.greeted = True
         return ""

@@ -41,6 +41,8 @@ Robot to laptop
     0B REPLY       counter u32 and type u8 of the command, status u8 (OK, REFUSED), UTF-8 text
     0C NAMES       JSON: reasons, faults (the texts that numbers point into); only when asked for by GREET
     10 TURNS       time u32, turns of the loop u16 since the last; then for each part (see PARTS in survive.py) the sum u32 and the longest u32 of its times, us
+    20 ARM_STATE   only with an arm: state u8 (off, wakes, holds, moves, plays), why u8 (what froze it last: nothing, hold, fault, link, wheels, chips), count u8, then
+                   count set points i16 (0.01 deg)
 
 Laptop to robot; each payload begins with a counter u32
 
@@ -53,6 +55,9 @@ Laptop to robot; each payload begins with a counter u32
     46 POINT       wheel u8 (2(i-1)+(j-1)), angle i16: turn this wheel alone while the robot stands; its trim is the parameter servos.trims.WHEEL
     47 GREET       what u8: bit 0 send HELLO and NAMES; then 8 random bytes, the nonce (may be left out). Over UDP the robot sends to whom it last heard a valid command from, for 3 s;
                    a GREET without a right tag is answered with a HELLO, which tells the session a tag needs
+    50 ARM         what u8: 0 hold, 1 go on (what moves freezes 300 ms after the last command), 2 home, 3 play (then u8, bit 0: first go slowly to where it begins),
+                   4 joint (then index u8, angle i16), 5 pose (then an angle i16 for each joint); angles 0.01 deg, joints of the plane first
+    51 REACH       offset u16, then bytes of a trajectory, in pieces from 0 on without a gap (layout: arm/requests.py); the last piece has it checked and kept
     48 RESTART     restart, as after a reset; refused unless the robot stands
 
 Commands over UDP end with a tag of 8 bytes: the first 8 bytes of HMAC-SHA256 under the robot's key, see `auth`. Over USB there is none:
@@ -83,6 +88,7 @@ CANDIDATES = 0x0A
 REPLY = 0x0B
 NAMES = 0x0C
 TURNS = 0x10
+ARM_STATE = 0x20
 
 DRIVE = 0x41
 TUNE = 0x42
@@ -92,6 +98,8 @@ LIST = 0x45
 POINT = 0x46
 GREET = 0x47
 RESTART = 0x48
+ARM = 0x50
+REACH = 0x51
 
 STOPPED = 0
 AUTO = 1
@@ -108,6 +116,7 @@ SCAN_FORMAT = "<IHHB"
 HEALTH_FORMAT = "<IIIHBBBIIIII"
 HELLO_FORMAT = "<8sI8s"
 POSE_FORMAT = "<IiiI"
+ARM_STATE_FORMAT = "<BBB"
 CANDIDATES_FORMAT = "<IBBB"
 TURNS_FORMAT = "<IH12I"
 REPLY_FORMAT = "<IBB"

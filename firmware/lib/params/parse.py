@@ -114,7 +114,7 @@ def _scale(row):
 
 def _default(config, row):
     key, kind, value = row[:3]
-    if value is not None:
+    if value is not None or kind == "pin":
         return _value(config, row, value)
     if key == "axles.first":
         return sum(config.axles_spacings) / 2
@@ -214,7 +214,7 @@ def _together(config, once):
         for other in chips[:k]:
             if once[attribute(other)] == address:
                 refuse(chips[k], "0x%02x" % address, "already the address of %s" % other)
-    names = "lidar_rx lidar_motor_pin i2c_scl i2c_sda pins_output_enable pins_stop_button pins_battery"
+    names = "lidar_rx lidar_motor_pin i2c_scl i2c_sda pins_output_enable pins_servo_enable pins_stop_button pins_battery"
     if once["screen_kind"] != "none":
         names += " screen_tx screen_rx"
         if once["screen_uart"] == once["lidar_uart"]:

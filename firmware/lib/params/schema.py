@@ -17,7 +17,7 @@ wheels      list, one value for each wheel: axle 1 left, axle 1 right, axle 2 le
 signs       likewise, each 1 or -1
 pairs       list, one value for each axle
 
-A default of null: for axles.first half the sum of the spacings, for channels 0, 1, 2, ... (wheels) or 0, 2, 4, ... (pairs),
+A default of null: for a pin none, for axles.first half the sum of the spacings, for channels 0, 1, 2, ... (wheels) or 0, 2, 4, ... (pairs),
 for the planning window and the margins a share of the body's length (parse.py).
 The attribute of `Config` is the key with a dot turned into an underscore: lidar.baud is config.lidar_baud.
 """
@@ -90,6 +90,7 @@ BOOT = """
 ["motors.directions", "signs", 1, null, null, "", "1, or -1 for a motor that runs the other way"]
 ["motors.full_speed", "int", 1280, 100, 5000, "mm/s", "speed of the wheels at V = 180"]
 ["pins.output_enable", "pin", 33, 0, 33, "", "output enable of the PWM chips, active low"]
+["pins.servo_enable", "pin", null, 0, 33, "", "output enable of the servos' chip alone, active low, for a robot with an arm; pins.output_enable is that of the motors' chips then"]
 ["pins.stop_button", "pin", 32, 0, 39, "", "stop button, closed to ground = stop"]
 ["pins.stop_closed", "flag", false, null, null, "", "true for a stop button that opens when pressed: a broken wire stops, too; it does not start the robot"]
 ["pins.battery", "pin", 35, 32, 39, "", "battery voltage through a divider"]
