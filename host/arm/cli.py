@@ -59,6 +59,39 @@ def _check(options) -> int:
     return FAILED if wrong else DONE
 
 
+def _play(options) -> int:
+    return _on_robot(options, "play")
+
+
+def _home(options) -> int:
+    return _on_robot(options, "home")
+
+
+def _on_robot(options, word) -> int:
+    from host.link import AddressError, LinkError
+
+    from . import play
+
+    def say(text):
+        if not options.json:
+            print(text, flush=True)
+
+    try:
+        if word == "play":
+            found = reach.read(options.file)
+            wrong, _ = check.check(found)
+            if wrong and not options.unchecked:
+                raise ArmError(f"{options.file}: not valid: {wrong[0]}; see python -m host.arm check; --unchecked plays it all the same")
+            play.play(options.address, found, say)
+        else:
+            play.home(options.address, options.arm and model.load(options.arm), say)
+    except (AddressError, LinkError) as error:
+        raise ArmError(str(error)) from None
+    if options.json:
+        print(json.dumps({word: "done"}))
+    return DONE
+
+
 def _numbers(count, what, more=0):
     def parse(text):
         try:
@@ -108,6 +141,17 @@ def _parser():
     one.add_argument("file", metavar="reach.json")
     one.add_argument("--clearance", type=_number(0, 1000), default=3.0, metavar="MM", help="what is to be kept from obstacles (default 3)")
     one.add_argument("--csv", metavar="FILE", help="write the curves: angle, speed, acceleration and torque of each joint, place of the end")
+    one.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    one = words.add_parser("play", help="play a trajectory on a robot or its twin")
+    one.set_defaults(run=_play)
+    one.add_argument("address", metavar="ADDRESS", help="serial:/dev/ttyUSB0, udp:robot.local, twin:z (which gets the trajectory's arm)")
+    one.add_argument("file", metavar="reach.json")
+    one.add_argument("--unchecked", action="store_true", help="even if the check finds something wrong; the board has its own checks")
+    one.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    one = words.add_parser("home", help="go to the rest pose, slowly; switches the servos on first")
+    one.set_defaults(run=_home)
+    one.add_argument("address", metavar="ADDRESS")
+    one.add_argument("--arm", metavar="FILE|NAME", help="for a twin: its arm")
     one.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
     return parser
 

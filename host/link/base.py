@@ -112,8 +112,16 @@ class Link:
     def __exit__(self, *_):
         self.close()
 
-    def _command(self, kind: int, payload) -> None:
-        """payload: callable counter -> bytes."""
+    def arm(self, what: str, **more) -> int:
+        """Move the arm, or hold it, see `messages.arm`; what moves needs repeating "go on" within 300 ms, or it freezes. The counter that its reply will have."""
+        return self._command(protocol.ARM, lambda counter: messages.arm(counter, what, **more))
+
+    def reach(self, offset: int, data: bytes) -> int:
+        """A piece of a trajectory for the arm; likewise."""
+        return self._command(protocol.REACH, lambda counter: messages.reach(counter, offset, data))
+
+    def _command(self, kind: int, payload) -> int:
+        """payload: callable counter -> bytes. Returns the counter."""
         with self._lock:
             self._counter = min(self._counter + 1, _LAST_COUNTER)  # a stop is obeyed whatever its counter
             data = self._frame(kind, payload(self._counter))
@@ -121,6 +129,7 @@ class Link:
             for tap in self.taps:
                 tap("out", data)
             self._send(data)
+            return self._counter
 
     def _nonce(self) -> bytes:
         """What makes the answer to a greeting one of now; for links that others can write to."""

@@ -16,6 +16,7 @@ Every dict has `type`; angles are degrees, lengths mm, speeds mm/s or r/s, times
     reply       counter, command, status, text
     names       reasons, faults
     turns       time, count (turns of the loop since the last), parts (names), sums, most: ms that each part took of them, and at most of one
+    arm         state, why (what froze it last), angles (its set points): only of a robot with an arm
 
 Links add some of their own:
 
@@ -39,6 +40,9 @@ from safety.survive import PARTS
 
 STATES = ("stopped", "auto", "manual")  # "waiting", for its first start after power-up, is a decision of its own
 STATUSES = ("ok", "refused")
+ARM_STATES = ("off", "wakes", "holds", "moves", "plays")
+ARM_WHY = ("nothing", "told to hold", "a fault of the robot", "the link was lost", "the wheels began to turn", "the servos' chip was lost")
+ARM_COMMANDS = ("hold", "go on", "home", "play", "joint", "pose")
 WINDOWS = 5  # none, green, red, blue, yellow
 FULL_V256 = 90 * 256
 _HELLO_WITHOUT_TAG = 12  # bytes before the JSON in version 0.1.0 and before
@@ -215,6 +219,11 @@ def _turns(payload):
     time, count, *values = struct.unpack(protocol.TURNS_FORMAT, payload)
     sums, most = values[0::2], values[1::2]
     return {"type": "turns", "time": time / 1e6, "count": count, "parts": list(PARTS), "sums": [v / 1000 for v in sums], "most": [v / 1000 for v in most]}
+def _arm(payload: bytes) -> dict:
+    size = struct.calcsize(protocol.ARM_STATE_FORMAT)
+    state, why, count = struct.unpack_from(protocol.ARM_STATE_FORMAT, payload)
+    angles = struct.unpack_from(f"<{count}h", payload, size)
+    return {"type": "arm", "state": ARM_STATES[state], "why": ARM_WHY[why], "angles": [angle / 100 for angle in angles]}
 
 
 def _reply(payload):
@@ -242,6 +251,7 @@ _DECODERS = {
     protocol.POSE: _pose,
     protocol.CANDIDATES: _candidates,
     protocol.REPLY: _reply,
+    protocol.ARM_STATE: _arm,
     protocol.NAMES: _names,
     protocol.TURNS: _turns,
 }
@@ -255,6 +265,8 @@ COMMANDS = {
     protocol.POINT: "point",
     protocol.GREET: "greet",
     protocol.RESTART: "restart",
+    protocol.ARM: "arm",
+    protocol.REACH: "reach",
 }
 
 
@@ -271,6 +283,31 @@ def drive(counter: int, what: str, af: float = 0, ar: float = 0, v: float = 90) 
 def tune(counter: int, key: str, value) -> bytes:
     """value: what JSON can hold."""
     return struct.pack(protocol.COUNTER_FORMAT, counter) + f"{key}={json.dumps(value)}".encode()
+
+
+def arm(counter: int, what: str, approach: bool = False, joint: int = 0, angle: float = 0.0, angles=()) -> bytes:
+    """what: one of ARM_COMMANDS. approach: with "play", go first to where it begins. joint (0 ..), angle: with "joint"; angles: of all joints, with "pose"; degrees."""
+    if what not in ARM_COMMANDS:
+        raise ValueError(f"arm {what!r}: one of {', '.join(ARM_COMMANDS)} is needed")
+    data = struct.pack(protocol.COUNTER_FORMAT, counter) + bytes((ARM_COMMANDS.index(what),))
+    if what == "play":
+        data += bytes((approach,))
+    elif what == "joint":
+        data += struct.pack("<Bh", joint, _hundredths(angle))
+    elif what == "pose":
+        data += struct.pack(f"<{len(angles)}h", *(_hundredths(one) for one in angles))
+    return data
+
+
+def _hundredths(angle):
+    if not -320 <= angle <= 320:
+        raise ValueError(f"{angle:g} degrees: a joint's angle lies within 320")
+    return round(100 * angle)
+
+
+def reach(counter: int, offset: int, data: bytes) -> bytes:
+    """A piece of a trajectory, at most 190 bytes."""
+    return struct.pack("<IH", counter, offset) + data
 
 
 def plain(counter: int) -> bytes:

@@ -1,7 +1,7 @@
 """The twin as a link: it runs in a thread, and the firmware's USB serial line is the wire.
 
     twin:COURSE?width=550&gap=400&seed=3&mirror=1&reverse=1&angle=90&scale=1&mode=naws&speed=1&chip=1&engine=cpython&config=robot.json&record=FILE
-        &fault=NAME@SECONDS&autostart=0&length=2500&side=1&start=0,0,90&goal=0,3000
+        &fault=NAME@SECONDS&autostart=0&length=2500&side=1&start=0,0,90&goal=0,3000&arm=arm.json
 
 COURSE is one of the twin's, in any case, or the file of a world; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes.
 autostart=0 waits for a start, as the robot does after power-up. What the others mean: `python -m host.twin --help`.
@@ -54,7 +54,7 @@ def _goal(text):
 OPTIONS: dict[str, Callable] = {
     "width": float, "gap": float, "seed": int, "mirror": _flag, "reverse": _flag, "angle": float, "scale": float, "mode": str, "engine": str,
     "speed": _speed, "chip": float, "config": str, "firmware": str, "record": str, "fault": _fault, "autostart": _flag,
-    "length": float, "side": _flag, "start": _start, "goal": _goal,
+    "length": float, "side": _flag, "start": _start, "goal": _goal, "arm": str,
 }  # fmt: skip
 
 

@@ -41,7 +41,9 @@ def main(argv: list[str] | None = None) -> int:
     except (RecordingError, ValueError, TypeError, AttributeError) as error:
         return _misused(error)
     try:
-        again = rerun(tape, robot, options.engine, options.firmware, float(reader.header.notes.get("chip", "inf")))
+        notes = reader.header.notes
+        files = {"arm.json": notes["arm"].encode()} if isinstance(notes.get("arm"), str) else None
+        again = rerun(tape, robot, options.engine, options.firmware, float(notes.get("chip", "inf")), files)
     except (ToolMissing, SyntaxError) as error:
         return _misused(error)
     print(f"{options.file}: {reader.header.source}, {tape.then.end_us / 1e6:.1f} s")

@@ -31,14 +31,14 @@ def settings(robot: str, changes: dict) -> str:
     return json.dumps(changed)
 
 
-def rerun(tape: Tape, robot: str, engine: str = process.ENGINES[0], firmware=image.FIRMWARE, chip: float = math.inf) -> Rerun:
+def rerun(tape: Tape, robot: str, engine: str = process.ENGINES[0], firmware=image.FIRMWARE, chip: float = math.inf, files: dict | None = None) -> Rerun:
     """Run the firmware on the tape for as long as it gave anything out then.
 
-    robot: text of robot.json. engine: see `process.ENGINES`. chip: see `process.Process`; as it was then, or nothing agrees.
+    robot: text of robot.json. engine: see `process.ENGINES`. chip, files: see `process.Process`; as it was then, or nothing agrees.
     """
     lidar = Vehicle.from_settings(json.loads(robot)).lidar
     board = _Board(tape, (lidar.rx, lidar.baud))
-    child = process.Process(engine, robot, lambda data: None, firmware, chip=chip)
+    child = process.Process(engine, robot, lambda data: None, firmware, chip=chip, files=files)
     try:
         while (answer := board.serve(request := child.receive(), child.send_serial)) is not None:
             if request.kind == wire.RESET:

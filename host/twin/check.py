@@ -8,6 +8,8 @@ import shutil
 from pathlib import Path
 
 from . import courses, worlds
+from .arm import Arm
+from .arm import read as read_arm
 from .process import ENGINES
 from .run import load_config
 from .vehicle import Vehicle
@@ -39,6 +41,7 @@ def check(arguments):
     layout = courses.make(course, **shape)
     vehicle = Vehicle.from_settings(load_config(arguments.get("config"), arguments.get("mode"), arguments.get("changes")))
     _body(vehicle, layout)
+    _arm(arguments.get("arm"), vehicle)
     if arguments.get("record"):
         _file(Path(arguments["record"]), "recording")
         room(Path(arguments["record"]).parent)
@@ -65,6 +68,16 @@ def room(folder, megabytes=ENOUGH_MB):
     free = shutil.disk_usage(folder).free // 1_000_000
     if free < megabytes:
         raise ValueError(f"the disk of {folder} has {free} MB left, {megabytes} are needed: make room, or do not record (--no-record)")
+
+
+def _arm(path, vehicle):
+    """ValueError for an arm that cannot be, or has no room on the servos' chip."""
+    if path is None:
+        return
+    taken = sorted(set(Arm(read_arm(path) or {}).channels) & set(vehicle.servo_channels))
+    if taken:
+        free = [str(k) for k in range(16) if k not in vehicle.servo_channels]
+        raise ValueError(f"{path}: servos.channels: output {taken[0]} of the servos' chip is a wheel's; free are {', '.join(free) or 'none'}")
 
 
 def _body(vehicle, layout):

@@ -16,10 +16,12 @@ class Electronics:
     stop_pressed, battery_volts, chips: for an Observer to change; a chip taken out of `chips` no longer answers.
     stop_wired, sda_held: likewise, whether the stop button's wire is there, and whether something holds the bus's data line low.
     motors_on: whether any motor output is on, at the chips and through output enable. switched: [(us, motors_on)] of each change.
+    arm: arm.Arm, whose servos sit on the servos' chip, or None.
     latch: time (us) at which the servos answer to changed pulses, NEVER while nothing has changed.
     """
 
-    def __init__(self, vehicle, body, lidar):
+    def __init__(self, vehicle, body, lidar, arm=None):
+        self.arm = arm
         self._vehicle = vehicle
         self._body = body
         self._lidar = lidar
@@ -33,6 +35,7 @@ class Electronics:
         self._directions = np.array(vehicle.servo_directions)
         self._speeds = np.array(vehicle.motor_directions) * vehicle.full_speed
         self.enabled = vehicle.output_enable is None  # the pull-up holds the outputs off until the firmware drives the pin; without it they are on
+        self._servos_on = self.enabled if vehicle.servo_enable is None else False
         self._servo_phase = 0.0
         self.latch = NEVER
         self._enable_wired = True
@@ -100,10 +103,15 @@ class Electronics:
         """An output pin changed."""
         if gpio == self._vehicle.output_enable:
             self._enable(time, not level)
+        elif gpio == self._vehicle.servo_enable and gpio is not None:
+            self._servos_on = not level
+            self._await_pulse(time)
 
     def release_pins(self, time):
         """The processor resets: its pins float. The pull-up at the output-enable pin switches the chips' outputs off, the lidar's motor driver stops."""
         self._enable(time, self._vehicle.output_enable is None)
+        if self._vehicle.servo_enable is not None:
+            self._servos_on = False  # it has a pull-up as well
         if self._vehicle.lidar.motor is not None:
             self._lidar.spin(time, 0)
 
@@ -118,8 +126,11 @@ class Electronics:
         chip = self._servo
         widths = np.array([chip.on_us(channel) for channel in self._vehicle.servo_channels])
         driven = (widths >= SHORTEST_US) & (widths <= LONGEST_US)
-        if not self.enabled:
+        servos_on = self.enabled if self._vehicle.servo_enable is None else self._servos_on
+        if not servos_on:
             driven[:] = False
+        if self.arm is not None:
+            self.arm.take_pulses(self._body.now, [chip.on_us(channel) for channel in self.arm.channels], servos_on)
         angles = self._directions * (widths - self._centre) * self._radians_per_us
         self._body.steer(angles - self._trims, driven)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from . import arm as arms
 from . import courses, faults, image, process, wire, worlds
 from .pace import Pace
 from .process import FirmwareStopped, Process
@@ -92,6 +93,7 @@ def run(
     side=False,
     start=None,
     goal=None,
+    arm=None,
 ):
     """Drive one course; returns a Result.
 
@@ -103,6 +105,7 @@ def run(
     heap, clock_us: of the board, see `Process`.
     fault: what fails, NAME or NAME@SECONDS, see `faults`; the run then ends 20 s after that at the latest.
     chip: factor on the speed of an ESP32, math.inf = computing takes no time, None = process.CHIP.
+    arm: path of arm.json, or a dict, of a robot with an arm.
     record: file for a recording of the run; None records into out/ended-badly/ and keeps that only if the run ends badly; False never records.
     """
     began = time.monotonic()
@@ -113,17 +116,23 @@ def run(
     layout = courses.make(course, width, gap, seed, mirror, reverse, angle, scale, length, side, start, goal)
     watch = watch or Observer()
     text = json.dumps(settings)
+    arm = arms.read(arm)
+    files = dict(failing.files)
+    notes = {"engine": engine, "chip": str(chip)}
+    if arm is not None:
+        notes["arm"] = json.dumps(arm)
+        files["arm.json"] = notes["arm"].encode()
     shape = dict(gap=gap, seed=seed, mirror=mirror, reverse=reverse, angle=angle, scale=scale, length=length, side=side, start=start, goal=goal)
     address = _address(course, layout, chip, shape) + (f"&fault={fault}" if fault else "")
     with ExitStack() as stack:
         recorder = None
         if record is not False:
-            recorder = stack.enter_context(Recorder.begin(record, text, address, firmware, {"engine": engine, "chip": str(chip)}))
+            recorder = stack.enter_context(Recorder.begin(record, text, address, firmware, notes))
             watch = Observers(recorder, watch)
-        simulation = Simulation(layout, vehicle, seed, watch, fault=failing)
+        simulation = Simulation(layout, vehicle, seed, watch, fault=failing, arm=arm and arms.Arm(arm))
         if limit_s:
             simulation.limit = simulation.limit_us = max(simulation.limit, limit_s * 1e6)
-        child = Process(engine, text, watch.serial, firmware, heap, chip, failing.clock_us or clock_us, failing.files)
+        child = Process(engine, text, watch.serial, firmware, heap, chip, failing.clock_us or clock_us, files)
         stack.callback(child.close)
         watch.board(child.folder)
         ended, over = _watched(simulation, child, watch, speed, limit_s, failing)

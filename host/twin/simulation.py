@@ -26,7 +26,7 @@ class Simulation:
     """One run.
 
     course: Course. vehicle: Vehicle. seed: of the imperfections; other than 0 it perturbs the start as well. watch: Observer. fault: what
-    fails, see `faults`.
+    fails, see `faults`. arm: arm.Arm or None.
 
     now: simulated time, us. limit: when the run has failed, us; an Observer may put it off. endless: while true the run does not end by itself; an
     Observer sets it while a person drives.
@@ -34,7 +34,7 @@ class Simulation:
     result: None until the run is over, then one of PASS, LOCAL_COLLISION, BLOCKED, TIMEOUT; reason: why, when there is more to say.
     """
 
-    def __init__(self, course, vehicle, seed, watch, version=1, fault=None):
+    def __init__(self, course, vehicle, seed, watch, version=1, fault=None, arm=None):
         streams = np.random.SeedSequence([seed, 0x67]).spawn(3)
         start, robot, noise = (np.random.default_rng(stream) for stream in streams)
         self.course = course
@@ -47,7 +47,7 @@ class Simulation:
         self.scene = Scene(course)
         self.body = Body(vehicle, robot, perturbed(course.start, start) if seed else course.start)
         self.lidar = Delta2B(vehicle.lidar, self.scene, noise, version)
-        self.electronics = Electronics(vehicle, self.body, self.lidar)
+        self.electronics = Electronics(vehicle, self.body, self.lidar, arm)
         self.contact = Contact(self.scene.walls, self.body, vehicle.width / 2, vehicle.length / 2)
         self.met = Encounters(self.scene, self.body, vehicle.width / 2, vehicle.length / 2)
         self.now = 0

@@ -51,6 +51,7 @@ class Vehicle:
     motor_directions: tuple
     full_speed: float
     output_enable: int | None
+    servo_enable: int | None
     stop_button: int | None
     stop_closed: bool
     battery: int | None
@@ -88,6 +89,7 @@ class Vehicle:
             motor_directions=tuple(c.motors_directions),
             full_speed=c.motors_full_speed,
             output_enable=c.pins_output_enable,
+            servo_enable=c.pins_servo_enable,
             stop_button=c.pins_stop_button,
             stop_closed=c.pins_stop_closed,
             battery=c.pins_battery,
