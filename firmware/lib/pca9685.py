@@ -64,20 +64,20 @@ class PCA9685:
 
     def start(self):
         """Set up the chip, whatever it did before, with every output off, in the image too."""
-        self._send(_ASLEEP)
-        self._send(self._scale)
-        self._send(_CLEARED)
-        self._send(_AWAKE)
+        self.send(_ASLEEP)
+        self.send(self._scale)
+        self.send(_CLEARED)
+        self.send(_AWAKE)
         _blank(self.image, len(self.image))
         time.sleep_us(_OSCILLATOR_START_US)
 
     def write(self):
         """Send the image in one burst."""
-        self._send(self.image)
+        self.send(self.image)
 
     def clear(self):
         """Every output off, now and in the image: one byte does it, a ninth of the time of a burst of ten channels."""
-        self._send(_ALL_OFF)
+        self.send(_ALL_OFF)
         _blank(self.image, len(self.image))
 
     def check(self):
@@ -104,10 +104,10 @@ class PCA9685:
 
     def deinit(self):
         """Every output off, oscillator stopped."""
-        self._send(_CLEARED)
-        self._send(_ASLEEP)
+        self.send(_CLEARED)
+        self.send(_ASLEEP)
 
-    def _send(self, registers):
+    def send(self, registers):
         try:
             self._i2c.writeto(self.address, registers)
         except OSError:

@@ -219,6 +219,8 @@ def _turns(payload):
     time, count, *values = struct.unpack(protocol.TURNS_FORMAT, payload)
     sums, most = values[0::2], values[1::2]
     return {"type": "turns", "time": time / 1e6, "count": count, "parts": list(PARTS), "sums": [v / 1000 for v in sums], "most": [v / 1000 for v in most]}
+
+
 def _arm(payload: bytes) -> dict:
     size = struct.calcsize(protocol.ARM_STATE_FORMAT)
     state, why, count = struct.unpack_from(protocol.ARM_STATE_FORMAT, payload)

@@ -116,12 +116,7 @@ def run(
     layout = courses.make(course, width, gap, seed, mirror, reverse, angle, scale, length, side, start, goal)
     watch = watch or Observer()
     text = json.dumps(settings)
-    arm = arms.read(arm)
-    files = dict(failing.files)
-    notes = {"engine": engine, "chip": str(chip)}
-    if arm is not None:
-        notes["arm"] = json.dumps(arm)
-        files["arm.json"] = notes["arm"].encode()
+    arm, files, notes = _with_arm(arm, dict(failing.files), {"engine": engine, "chip": str(chip)})
     shape = dict(gap=gap, seed=seed, mirror=mirror, reverse=reverse, angle=angle, scale=scale, length=length, side=side, start=start, goal=goal)
     address = _address(course, layout, chip, shape) + (f"&fault={fault}" if fault else "")
     with ExitStack() as stack:
@@ -129,7 +124,7 @@ def run(
         if record is not False:
             recorder = stack.enter_context(Recorder.begin(record, text, address, firmware, notes))
             watch = Observers(recorder, watch)
-        simulation = Simulation(layout, vehicle, seed, watch, fault=failing, arm=arm and arms.Arm(arm))
+        simulation = Simulation(layout, vehicle, seed, watch, fault=failing, arm=arm)
         if limit_s:
             simulation.limit = simulation.limit_us = max(simulation.limit, limit_s * 1e6)
         child = Process(engine, text, watch.serial, firmware, heap, chip, failing.clock_us or clock_us, files)
@@ -139,23 +134,28 @@ def run(
         child.close()  # what it printed last belongs to the recording
         badly = ended and simulation.result != PASS
         kept = recorder.finish(simulation.result, simulation.reason, badly) if recorder else None
-    return _result(
-        simulation,
-        layout,
-        vehicle,
-        dict(
-            fault=failing.outcome(simulation, over) if fault else None,
-            course=course,
-            width_mm=layout.width,
-            gap_mm=gap,
-            seed=seed,
-            mode=settings.get("mode", "AWS").lower(),
-            engine=engine,
-            wall_s=time.monotonic() - began,
-            recording=str(kept) if kept else None,
-            lost=recorder.lost if recorder else "",
-        ),
+    figures = dict(
+        fault=failing.outcome(simulation, over) if fault else None,
+        course=course,
+        width_mm=layout.width,
+        gap_mm=gap,
+        seed=seed,
+        mode=settings.get("mode", "AWS").lower(),
+        engine=engine,
+        wall_s=time.monotonic() - began,
+        recording=str(kept) if kept else None,
+        lost=recorder.lost if recorder else "",
     )
+    return _result(simulation, layout, vehicle, figures)
+
+
+def _with_arm(arm, files, notes):
+    """(arms.Arm or None, the board's files, notes of the recording)."""
+    settings = arms.read(arm)
+    if settings is None:
+        return None, files, notes
+    text = json.dumps(settings)
+    return arms.Arm(settings), files | {"arm.json": text.encode()}, notes | {"arm": text}
 
 
 def _watched(simulation, child, watch, speed, limit_s, failing):

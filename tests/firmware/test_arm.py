@@ -51,9 +51,9 @@ class _Link:
 class _Robot:
     """A drive with chips and an arm, its commands, and a clock that moves in servo periods."""
 
-    def __init__(self, values=None, arm=ARM, own=None):
+    def __init__(self, values=None, arm=ARM, own=None, bus=None):
         self.config = config = Config(values)
-        self.bus = FakeBus()
+        self.bus = bus or FakeBus()
         self.enable = FakePin()
         self.own = own
         self.now = BEGIN
@@ -341,12 +341,8 @@ class _Spy(FakeBus):
 
 def _ride(arm):
     """What is written while wheels steer, drive and stop, with the arm playing in between; the arm's own writes apart."""
-    robot = _Robot(arm=None)
     spy = _Spy()
-    robot.bus.writeto = spy.writeto
-    robot.bus = spy
-    for chip in robot.chips:
-        chip._i2c = spy
+    robot = _Robot(arm=None, bus=spy)
     if arm:
         with open("arm.json", "w") as file:
             file.write(json.dumps(dict(ARM, while_driving=True)))

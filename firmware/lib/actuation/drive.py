@@ -87,11 +87,11 @@ class Drive:
 
     @property
     def ok(self):
-        return self._outputs.ok
+        return self.outputs.ok
 
     @property
     def fault(self):
-        return self._outputs.fault
+        return self.outputs.fault
 
     def command(self, af, ar, v):
         """Steer AF, AR (0.1 deg) and drive at V (0 .. 180, 90 stops). False, and the robot stops as it is steered, if a wheel cannot turn so far."""
@@ -137,12 +137,12 @@ class Drive:
 
     def halt(self):
         """As stop(), whatever the motors were told: for when that is not sure any more."""
-        self._outputs.motors_off()
+        self.outputs.motors_off()
         self.told_v256 = self._goal_v256 = 0
 
     def off(self):
         """Everything off, for good: the servos let go. Raises nothing."""
-        self._outputs.off()
+        self.outputs.off()
         self.told_v256 = self._goal_v256 = 0
 
     def due(self, now_us):
@@ -171,7 +171,7 @@ class Drive:
         self._steer()
         v256 = self._accelerate()
         aim = self.aim
-        outputs = self._outputs
+        outputs = self.outputs
         outputs.write(self._pointed or aim.angles, aim.shares, v256)
         if self.restarts != outputs.restarts:
             self.restarts = outputs.restarts
@@ -183,7 +183,7 @@ class Drive:
         """What a servo period makes of the live parameters."""
         config = self._config
         self._changes = config.changes
-        self._outputs.derive()
+        self.outputs.derive()
         period = self._period_us
         self._step = max(config.servos_rate * period // 100000, 1)  # 0.1 deg
         latency = config.servos_latency * 1000
@@ -265,7 +265,7 @@ class Drive:
         """The motors' next set point."""
         goal = self._goal_v256
         speed = self.told_v256
-        if goal == 0 or self.turning or not self._outputs.ok:
+        if goal == 0 or self.turning or not self.outputs.ok:
             speed = 0
         elif goal > 0 > speed or goal < 0 < speed:
             speed = 0  # a reversal passes through off
@@ -285,7 +285,7 @@ class Drive:
         for k in range(self._wheels):
             self._positions[k] = 900 if self.aim.angles[k] < 0 else -900
         self.told_v256 = 0
-        self._outputs.motors_off()
+        self.outputs.motors_off()
         self.turning = True
         self._swinging = True
         self._begin_swing()

@@ -81,7 +81,7 @@ def drive(self, steerings, outputs, config):
     self.steering, self.aim, self._goal, self._trial = steerings
     self._wheels = wheels = 2 * config.axles
     self._config = config
-    self._outputs = outputs
+    self.outputs = outputs
     self._period_us = 1000000 // config.servos_frequency
     self._due = -1
     self.af = self.ar = self.v256 = self.told_v256 = self._goal_v256 = self.restarts = 0

@@ -46,7 +46,7 @@ class Armed(Outputs):
     """See above. Put in the place of a Drive's Outputs by arm/build.py, which sets its fields."""
 
     def write(self, angles, shares, v256):
-        good = Outputs.write(self, angles, shares, v256)
+        good = super().write(angles, shares, v256)
         if self.state:
             try:
                 self._go_on(v256)
@@ -61,7 +61,7 @@ class Armed(Outputs):
             self._chips = chips[1], chips[1], chips[2]
         else:
             self._limp()
-        good = Outputs.begin(self)
+        good = super().begin()
         self._chips = chips
         return good
 
@@ -77,7 +77,7 @@ class Armed(Outputs):
         self._kept = False
         self._limp()
         self._switch(False)
-        Outputs.off(self)
+        super().off()
 
     def stop(self):
         """What the link's stop does now."""
@@ -86,7 +86,7 @@ class Armed(Outputs):
 
     def again(self, data, now_us, robot):
         """What the link tells again and again, and the arm."""
-        length = Link._again(self.link, data, now_us, robot)
+        length = Link.again(self.link, data, now_us, robot)
         if not length and ticks_diff(now_us, self._told_us) >= _TOLD_US:
             self._told_us = now_us
             data[3] = _ARM
@@ -103,20 +103,20 @@ class Armed(Outputs):
         if state > _HOLDS:
             self._move(now, v256)
         elif state == _WAKES:
-            self._woken += 1
-            if self._woken >= _WAKE * len(self.angles):
+            self.woken += 1
+            if self.woken >= _WAKE * len(self.angles):
                 self.state = _HOLDS
         pulse = self._pulse
         lines = self._lines_of_arm
-        sent = self._sent
+        sent = self.sent
         k = 0
         for angle in self.angles:
             count = (lines[3 * k] + angle * lines[3 * k + 1]) >> 15
-            if sent[k] != count and (state != _WAKES or self._woken >= _WAKE * k):
+            if sent[k] != count and (state != _WAKES or self.woken >= _WAKE * k):
                 pulse[0] = lines[3 * k + 2]
                 pulse[3] = count & 0xFF
                 pulse[4] = count >> 8
-                self._servo._send(pulse)
+                self.servo.send(pulse)
                 sent[k] = count
             k += 1
 
@@ -124,7 +124,7 @@ class Armed(Outputs):
         why = 0
         if self.link.safety.fault:
             why = _FAULT
-        elif v256 and not self._while_driving:
+        elif v256 and not self.while_driving:
             why = _WHEELS
         elif ticks_diff(now, self.heard_us) > _SILENCE_US:
             why = _LINK
@@ -177,17 +177,17 @@ class Armed(Outputs):
 
     def _check(self, k):
         before = self.restarts
-        bit = Outputs._check(self, k)
+        bit = super()._check(k)
         if not k and before != self.restarts:
             self._limp()
         return bit
 
     def _fail(self, error):
         """Where the servos have an output enable of their own, and their chip is well, the arm stays where it is."""
-        Outputs._fail(self, error)
+        super()._fail(error)
         if self._own is not None:
             try:
-                self._kept = self._servo.awake() and self._own_on
+                self._kept = self.servo.awake() and self._own_on
             except OSError:
                 self._kept = False
             if not self._kept:
@@ -197,7 +197,7 @@ class Armed(Outputs):
         self.freeze(_CHIPS)
 
     def _set_enabled(self, enabled):
-        Outputs._set_enabled(self, enabled)
+        super()._set_enabled(enabled)
         if enabled:
             self._switch(True)
 

@@ -26,26 +26,31 @@ def add(config, drive, link, chips, enable, own):
     except (ValueError, RuntimeError):
         refuse("it is not JSON, or cut off: put it on the board again")
     armed = Armed(chips[0], chips[1], chips[2], enable, config)
-    take(armed, values, config.once["servos_channels"], config.servos_oscillator, chips[0].prescale)
-    armed.link = link
-    armed._own = own
-    armed._servo = chips[0]
-    armed._while_driving = values.get("while_driving") is True
-    armed.state = armed.why = armed.heard_us = armed.began_us = armed._told_us = armed._woken = 0
-    armed.file = None
-    armed._kept = armed._own_on = False
-    drive._outputs = armed
+    _take(armed, values, list(config.once["servos_channels"]), config.servos_oscillator, chips[0].prescale)
+    _begin(armed, link, chips[0], own, values.get("while_driving") is True)
+    drive.outputs = armed
     link.arm = armed
     link.stop = armed.stop
-    link._again = armed.again
+    link.again = armed.again
     return armed
+
+
+def _begin(self, link, servo, own, while_driving):
+    """The fields of an Armed that stands still, without power."""
+    self.link = link
+    self.servo = servo
+    self._own = own
+    self.while_driving = while_driving
+    self.state = self.why = self.heard_us = self.began_us = self._told_us = self.woken = 0
+    self.file = None
+    self._kept = self._own_on = False
 
 
 def refuse(words):
     raise ValueError("arm.json: " + words)
 
 
-def take(armed, values, wheels, oscillator, prescale):
+def _take(self, values, wheels, oscillator, prescale):
     """The fields that come from arm.json. wheels: channels that are theirs."""
     servos = values.get("servos") if type(values) is dict else None
     joints = values.get("joints", []) if servos else []
@@ -54,7 +59,6 @@ def take(armed, values, wheels, oscillator, prescale):
     if type(servos) is not dict or not 1 <= count <= _MOST:
         refuse("joints, 1 .. %d with extra, and servos are needed" % _MOST)
     channels = _numbers(servos, "channels", count, None, 0, 15)
-    wheels = list(wheels)
     free = [k for k in range(16) if k not in wheels]
     for k in range(count):
         if channels[k] in wheels:
@@ -68,14 +72,14 @@ def take(armed, values, wheels, oscillator, prescale):
     span = _number(servos.get("range_deg", 180), "range_deg", 20, 720)
     if high_us - low_us < 100:
         refuse("servos: pulse_high_us must lie 100 above pulse_low_us")
-    armed.angles = array("h", [round(100 * one) for one in rest])
-    armed.rest = array("h", armed.angles)
-    armed.before = array("h", bytes(2 + 4 * count))
-    armed.after = array("h", armed.before)
-    armed.limits = array("h")
-    armed._lines_of_arm = array("i")
-    armed._pulse = bytearray(5)
-    armed._sent = array("h", bytes(2 * count))
+    self.angles = array("h", [round(100 * one) for one in rest])
+    self.rest = array("h", self.angles)
+    self.before = array("h", bytes(2 + 4 * count))
+    self.after = array("h", self.before)
+    self.limits = array("h")
+    self._lines_of_arm = array("i")
+    self._pulse = bytearray(5)
+    self.sent = array("h", bytes(2 * count))
     middle = counts(round((low_us + high_us) / 2), prescale, oscillator, 32768)
     slope = counts(round(high_us - low_us), prescale, oscillator, 32768) / (100 * span)
     for k in range(count):
@@ -85,10 +89,10 @@ def take(armed, values, wheels, oscillator, prescale):
         low, high = (_number(row.get(key), key, -_FAR, _FAR) for key in ("low_deg", "high_deg"))
         if low >= high or low < zeros[k] - span / 2 - 0.001 or high > zeros[k] + span / 2 + 0.001 or not low <= rest[k] <= high:
             refuse("joint %d: low_deg < high_deg, both within its servo's range, and rest_deg between them are needed" % (k + 1))
-        armed.limits.extend(array("h", [round(100 * low), round(100 * high), round(10 * _number(row.get("speed_deg_s"), "speed_deg_s", 1, _FAST))]))
+        self.limits.extend(array("h", [round(100 * low), round(100 * high), round(10 * _number(row.get("speed_deg_s"), "speed_deg_s", 1, _FAST))]))
         gain = round(slope) * (1 if directions[k] > 0 else -1)
-        armed._lines_of_arm.extend(array("i", [middle + 16384 - round(100 * zeros[k]) * gain, gain, 6 + 4 * int(channels[k])]))
-    armed.ident = ident(values.get("name", "arm"), armed.limits)
+        self._lines_of_arm.extend(array("i", [middle + 16384 - round(100 * zeros[k]) * gain, gain, 6 + 4 * int(channels[k])]))
+    self.ident = ident(values.get("name", "arm"), self.limits)
 
 
 def ident(name, limits):

@@ -64,7 +64,7 @@ def carry_out(link, kind, payload, robot, driven):
 def _may_move(arm, link, robot, driven):
     if link.safety.fault:
         raise ValueError("the robot has a fault, or its stop button is pressed: the arm stays where it is")
-    if not arm._while_driving and (link.state or driven or robot.drive.v256):
+    if not arm.while_driving and (link.state or driven or robot.drive.v256):
         raise ValueError("the robot drives: stop it first, or set while_driving in arm.json")
 
 
@@ -72,8 +72,8 @@ def _home(arm, payload):
     if arm.state == _OFF:
         for k in range(len(arm.angles)):
             arm.angles[k] = arm.rest[k]
-            arm._sent[k] = -1
-        arm._woken = 0
+            arm.sent[k] = -1
+        arm.woken = 0
         arm.state = _WAKES
         return "its servos get their pulses, one after the other: it must lie in its rest pose"
     return _to_pose(arm, arm.rest)

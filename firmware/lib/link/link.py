@@ -208,7 +208,7 @@ class Link(Commands):
         elif self._asker is not None:
             self._answer(data, now_us)
         else:
-            length = self._once(data, now_us, robot) or self._again(data, now_us, robot)
+            length = self._once(data, now_us, robot) or self.again(data, now_us, robot)
             if length:
                 self._encoder.seal(length)
                 self._send()
@@ -256,7 +256,7 @@ class Link(Commands):
             return length
         return 0
 
-    def _again(self, data, now_us, robot):
+    def again(self, data, now_us, robot):
         """The most urgent of the short messages that are told again and again; 0 when none is due."""
         avoid = robot.avoid
         decisions = avoid.decisions
