@@ -89,8 +89,10 @@ class Robot:
         due = drive.due(now) and not seen
         self._owed = 0
         if not safety.check(now):
+            self._slices = 0
             self._stand(safety, seen)
         elif safety.state == telemetry.MANUAL:
+            self._slices = 0
             if self._hand is None:
                 drive.stop()  # loading takes longer than a turn
                 from planner.hand import by_hand

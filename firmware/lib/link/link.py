@@ -250,7 +250,7 @@ class Link(Commands):
             length = self.rare(now_us, robot, "link.reason_texts").names(data)
             self._let_go()
             return length
-        if self.listing >= 0:
+        if self.listing >= 0 and robot.avoid.decisions == self._decisions:
             length, total = self.rare(now_us, robot, "link.listing").parameter(data, self.config, self.listing)
             self.listing = self.listing + 1 if self.listing + 1 < total else -1
             return length
