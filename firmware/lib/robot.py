@@ -25,15 +25,15 @@ _SCREEN = const(5)
 class Robot:
     """The parts, joined; buses and pins were handed to them by core/start.py.
 
-    avoid: Avoid; lidar: Lidar; drive: Drive; safety: Safety; health: Health; link: Link or None; screen: Screen or None.
+    avoid: Avoid; lidar: Lidar; drive: Drive; safety: Safety; health: Health; link: Link or None; screen: Screen or None; goal: Goal, where there is a map, or None.
     note, keep, feed: see safety/watchdog.py; until that has begun both do nothing.
     took_us: computing time of the slices of the latest decision.
     """
 
-    def __init__(self, config, avoid, lidar, drive, safety, health, link=None, screen=None):
+    def __init__(self, config, avoid, lidar, drive, safety, health, link=None, screen=None, goal=None):
         from safety.build import robot
 
-        robot(self, config, avoid, lidar, drive, safety, health, link, screen)
+        robot(self, config, avoid, lidar, drive, safety, health, link, screen, goal)
 
     def step(self):
         """Once round. Returns True if there is more to do at once: a frame was taken in, or a decision is under way.
@@ -73,6 +73,7 @@ class Robot:
         odometry = self.odometry
         link = self.link
         trust = self.trust
+        goal = self.goal
         seen = False
         owed = self._owed
         note[_PART] = _LIDAR
@@ -84,11 +85,13 @@ class Robot:
             if trust is not None:
                 trust.frame(lidar, odometry, drive.told_v256)
             avoid.frame(lidar, odometry)
+            if goal is not None:
+                goal.frame(lidar, odometry)
             seen = True
         safety = self.safety
         due = drive.due(now) and not seen
         self._owed = 0
-        if not safety.check(now):
+        if not safety.check(now) or goal is not None and goal.holds and safety.state == telemetry.AUTO:
             self._slices = 0
             self._stand(safety, seen)
         elif safety.state == telemetry.MANUAL:
@@ -166,7 +169,11 @@ class Robot:
             forget("planner.hand")
         if seen:
             why = _FAULT if safety.fault else _START if safety.waiting else _STOPPED
+            if self.goal is not None and safety.state == telemetry.AUTO and not safety.fault:
+                why = self.goal.why
             self.avoid.observe(self.odometry, why, drive.af, drive.ar, 90)
+        elif self.goal is not None:
+            self.goal.step(self.odometry, self.avoid.map)
 
     def _watch_out(self):
         """On every frame: stop for what is new."""
@@ -180,6 +187,8 @@ class Robot:
     def _decide(self):
         """One slice of the decision."""
         avoid = self.avoid
+        if self.goal is not None and self.goal.step(self.odometry, avoid.map):
+            return
         began = ticks_us()
         done = avoid.step(self.odometry)
         self._slices_us += ticks_diff(ticks_us(), began)

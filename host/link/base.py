@@ -95,6 +95,14 @@ class Link:
         """Turn one wheel alone, degrees."""
         self._command(protocol.POINT, lambda counter: messages.point(counter, wheel, angle))
 
+    def go(self, what: str, x: float = 0, y: float = 0, heading: float = 0) -> None:
+        """About goals and the pose, where the robot has a map: see `messages.go`."""
+        self._command(protocol.GO, lambda counter: messages.go(counter, what, x, y, heading))
+
+    def put_map(self, first: int, size: int, check: int, part: bytes) -> None:
+        """A part of a map for the board; `host.map.send` sends all of them."""
+        self._command(protocol.PUT_MAP, lambda counter: messages.put_map(counter, first, size, check, part))
+
     def restart(self) -> None:
         """Restart the robot; it refuses unless it stands. It is a new session then, with what was tuned gone unless it was kept."""
         self._command(protocol.RESTART, messages.plain)

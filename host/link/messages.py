@@ -17,6 +17,11 @@ Every dict has `type`; angles are degrees, lengths mm, speeds mm/s or r/s, times
     names       reasons, faults
     turns       time, count (turns of the loop since the last), parts (names), sums, most: ms that each part took of them, and at most of one
     arm         state, why (what froze it last), angles (its set points): only of a robot with an arm
+    goal        time, state ("none", "going", "there", "alarm", "searching", "lost"), alarm (words or None), method ("gap", "field", "behaviour"), pose_state ("guessed", "given", "known",
+                "lost"), x, y, heading, error (mm, its own estimate), fits (percent), goal ([x, y]), steer ([x, y]), length (of the way, cells; None: there is none), door (number or None),
+                through (likewise), open (mm or None), middle, searches, waiting, patrol; mm on the map
+    cells       time, first, cells: a part of the map's cells, numbers as firmware/lib/goal/kernels.py describes them
+    map         rows, cols, cell (mm), origin ([x, y] of the lower left corner for whoever drew it), doors (list of {x, y, normal, width})
 
 Links add some of their own:
 
@@ -43,6 +48,11 @@ STATUSES = ("ok", "refused")
 ARM_STATES = ("off", "wakes", "holds", "moves", "plays")
 ARM_WHY = ("nothing", "told to hold", "a fault of the robot", "the link was lost", "the wheels began to turn", "the servos' chip was lost")
 ARM_COMMANDS = ("hold", "go on", "home", "play", "joint", "pose")
+GOAL_STATES = ("none", "going", "there", "alarm", "searching", "lost")
+ALARMS = (None, "door shut", "goal walled in", "no progress")
+METHODS = ("gap", "field", "behaviour")
+POSE_STATES = ("guessed", "given", "known", "lost")
+GO = ("give up", "there", "later", "here", "on", "patrol", "method", "search")
 WINDOWS = 5  # none, green, red, blue, yellow
 FULL_V256 = 90 * 256
 _HELLO_WITHOUT_TAG = 12  # bytes before the JSON in version 0.1.0 and before
@@ -242,7 +252,64 @@ def _names(payload):
     return {**told, "type": "names"}
 
 
+def _goal(payload):
+    (
+        time,
+        state,
+        alarm,
+        method,
+        pose,
+        x,
+        y,
+        heading,
+        error,
+        fits,
+        goal_x,
+        goal_y,
+        steer_x,
+        steer_y,
+        length,
+        door,
+        through,
+        wide,
+        middle,
+        searches,
+        waiting,
+        patrol,
+    ) = struct.unpack(protocol.GOAL_FORMAT, payload)
+    if min(state, alarm, method, pose) < 0:
+        raise ValueError("a state that cannot be")
+    return {
+        "type": "goal", "time": time / 1e6, "state": GOAL_STATES[state], "alarm": ALARMS[alarm], "method": METHODS[method], "pose_state": POSE_STATES[pose],
+        "x": x, "y": y, "heading": heading / 10, "error": error, "fits": fits, "goal": [goal_x, goal_y], "steer": [steer_x, steer_y],
+        "length": None if length < 0 else length / 5, "door": None if door < 0 else door, "through": None if through < 0 else through,
+        "open": None if wide < 0 else wide, "middle": middle, "searches": searches, "waiting": waiting, "patrol": bool(patrol),
+    }  # fmt: skip
+
+
+def _cells(payload):
+    time, first = struct.unpack_from(protocol.CELLS_FORMAT, payload)
+    size = struct.calcsize(protocol.CELLS_FORMAT)
+    return {"type": "cells", "time": time / 1e6, "first": first, "cells": list(struct.unpack(f"<{(len(payload) - size) // 2}H", payload[size:]))}
+
+
+def _map(payload):
+    at = struct.calcsize(protocol.MAP_FORMAT)
+    version, rows, cols, count, cell, field_rows, field_cols, spacing, _, x, y = struct.unpack_from("<BBBBHBBHHii", payload, at)
+    at += struct.calcsize("<BBBBHBBHHii")
+    doors = [struct.unpack_from("<4H", payload, at + 8 * k) for k in range(count)]
+    if not rows or not cols or not cell:
+        raise ValueError("a map that cannot be")
+    return {
+        "type": "map", "rows": rows, "cols": cols, "cell": cell, "origin": [x, y],
+        "doors": [{"x": x, "y": y, "normal": normal / 10, "width": width} for x, y, normal, width in doors],
+    }  # fmt: skip
+
+
 _DECODERS = {
+    protocol.GOAL: _goal,
+    protocol.CELLS: _cells,
+    protocol.MAP: _map,
     protocol.HELLO: _hello,
     protocol.DECISION: _decision,
     protocol.POINTS: _points,
@@ -269,6 +336,8 @@ COMMANDS = {
     protocol.RESTART: "restart",
     protocol.ARM: "arm",
     protocol.REACH: "reach",
+    protocol.GO: "go",
+    protocol.PUT_MAP: "map",
 }
 
 
@@ -324,6 +393,20 @@ def watch(counter: int, scan: bool, candidates: bool, turns: bool = False) -> by
 def point(counter: int, wheel: int, angle: float) -> bytes:
     """angle in degrees."""
     return struct.pack(protocol.POINT_FORMAT, counter, wheel, round(angle * 10))
+
+
+def go(counter: int, what: str, x: float = 0, y: float = 0, heading: float = 0) -> bytes:
+    """what: one of GO; x, y in mm on the map (of "patrol": 0 or 1, of "method": its number), heading in degrees. ValueError beyond these."""
+    if what not in GO:
+        raise ValueError(f"go {what!r}: one of {', '.join(GO)} is needed")
+    if not (abs(x) <= 32767 and abs(y) <= 32767):
+        raise ValueError(f"{x:g}, {y:g} mm lies beside every map")
+    return struct.pack(protocol.GO_FORMAT, counter, GO.index(what), round(x), round(y), round((heading + 180) % 360 * 10) - 1800)
+
+
+def put_map(counter: int, first: int, size: int, check: int, part: bytes) -> bytes:
+    """A part of the board's map: its first byte, how many there are in all, and their CRC-16."""
+    return struct.pack(protocol.PUT_MAP_FORMAT, counter, first, size, check) + part
 
 
 def greet(counter: int, names: bool, nonce: bytes = b"") -> bytes:

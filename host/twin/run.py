@@ -11,6 +11,8 @@ import numpy as np
 
 from . import arm as arms
 from . import courses, faults, image, process, wire, worlds
+from .errand import Errand
+from .house import build as house_of
 from .pace import Pace
 from .process import FirmwareStopped, Process
 from .recorder import Observers, Recorder
@@ -54,16 +56,20 @@ class Result:
     fault: faults.Outcome | None
     layout: courses.Course = field(repr=False)
     vehicle: Vehicle = field(repr=False)
+    house: dict | None = None
+    errand: object = field(repr=False, default=None)
 
     def summary(self):
         """The figures as a dict that JSON can hold."""
         out = {}
         for name, value in vars(self).items():
-            if name in ("track", "log", "touches", "fault", "layout", "vehicle", "lost"):
+            if name in ("house", "errand", "track", "log", "touches", "fault", "layout", "vehicle", "lost"):
                 continue
             out[name] = round(value, 3) if isinstance(value, float) else value
         if self.fault is not None:
             out |= vars(self.fault)
+        if self.house is not None:
+            out |= self.house
         return out
 
 
@@ -94,6 +100,7 @@ def run(
     start=None,
     goal=None,
     arm=None,
+    house=None,
 ):
     """Drive one course; returns a Result.
 
@@ -103,6 +110,7 @@ def run(
     unless they say {"drive.autostart": False}. watch: simulation.Observer, told what
     happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run after so long, where it would be 60 s, or 200 in a world from a file.
     heap, clock_us: of the board, see `Process`.
+    house: house.Plan, for the course house. errand, facts: what came of it, see `errand.Errand`.
     fault: what fails, NAME or NAME@SECONDS, see `faults`; the run then ends 20 s after that at the latest.
     chip: factor on the speed of an ESP32, math.inf = computing takes no time, None = process.CHIP.
     arm: path of arm.json, or a dict, of a robot with an arm.
@@ -113,11 +121,10 @@ def run(
     failing = faults.make(fault)
     settings = load_config(config, mode, {**starting(firmware), **failing.changes, **(changes or {})})
     vehicle = Vehicle.from_settings(settings)
-    layout = courses.make(course, width, gap, seed, mirror, reverse, angle, scale, length, side, start, goal)
-    watch = watch or Observer()
+    shape = dict(gap=gap, seed=seed, mirror=mirror, reverse=reverse, angle=angle, scale=scale, length=length, side=side, start=start, goal=goal)
+    layout, errand, watch = _world(course, width, shape, house, failing, watch or Observer())
     text = json.dumps(settings)
     arm, files, notes = _with_arm(arm, dict(failing.files), {"engine": engine, "chip": str(chip)})
-    shape = dict(gap=gap, seed=seed, mirror=mirror, reverse=reverse, angle=angle, scale=scale, length=length, side=side, start=start, goal=goal)
     address = _address(course, layout, chip, shape) + (f"&fault={fault}" if fault else "")
     with ExitStack() as stack:
         recorder = None
@@ -143,8 +150,8 @@ def run(
         mode=settings.get("mode", "AWS").lower(),
         engine=engine,
         wall_s=time.monotonic() - began,
-        recording=str(kept) if kept else None,
-        lost=recorder.lost if recorder else "",
+        **_kept(kept, recorder),
+        **({"house": errand.facts(simulation), "errand": errand} if errand else {}),
     )
     return _result(simulation, layout, vehicle, figures)
 
@@ -156,6 +163,20 @@ def _with_arm(arm, files, notes):
         return None, files, notes
     text = json.dumps(settings)
     return arms.Arm(settings), files | {"arm.json": text.encode()}, notes | {"arm": text}
+
+
+def _kept(kept, recorder):
+    return {"recording": str(kept) if kept else None, "lost": recorder.lost if recorder else ""}
+
+
+def _world(course, width, shape, house, failing, watch):
+    """(Course, Errand where it is a house, who is told what happens). The house's map is put on the board."""
+    if house is None:
+        return courses.make(course, width, **shape), None, watch
+    built = house_of(house, shape["seed"])
+    failing.files = {**failing.files, "map.bin": built.map_bytes}
+    errand = Errand(built, house)
+    return built.course, errand, Observers(errand, watch)
 
 
 def _watched(simulation, child, watch, speed, limit_s, failing):

@@ -98,6 +98,7 @@ class Robot:
     took_us = 1234
 
     def __init__(self):
+        self.goal = None
         self.avoid = self.drive = self.odometry = self.lidar = Part()
         self.health = Part()
         self.safety = Safety()

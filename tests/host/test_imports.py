@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 TREES = {"firmware": ROOT / "firmware" / "lib", "host": ROOT}
 # Each may import those to the left of it. What is not listed, the tools, may import any of these, and each other without circles.
-ORDER = ("version", "compat", "micropython", "boards", "recording", "twin", "link")
+ORDER = ("version", "compat", "floorplan", "micropython", "boards", "recording", "twin", "link")
 
 
 @cache

@@ -66,6 +66,7 @@ def _build(path, note):
     forget("core.devices", "link.wifi")
     for name in _MACHINE_CODE:  # as early, and it is the largest part
         __import__(name)
+    world = _map()
     avoid = _avoid(config)  # its tables are the largest objects: they come while the heap is still in one piece
     drive = _drive(config, servos, left, right, enable)
     lidar = _lidar(config, lidar_line, motor)
@@ -73,7 +74,7 @@ def _build(path, note):
     link = _link(config, safety, wlan, remark)
     for remark in remarks + [doubt] * bool(doubt):
         link.log(1, remark)
-    robot = _robot(config, avoid, lidar, drive, safety, health, link, screen_line)
+    robot = _robot(config, avoid, lidar, drive, safety, health, link, screen_line, _goal(config, avoid, world))
     _arm(config, drive, link, (servos, left, right), enable, own)
     config.once = None
     return robot
@@ -145,6 +146,29 @@ def _checked(values):
     from params.config import Config
 
     return Config(values)
+
+
+def _map():
+    """What goal.build.load() gives; None where there is no map. Its machine code comes with the other."""
+
+    try:
+        os.stat("map.bin")
+    except OSError:
+        return None
+    from goal import build
+
+    return build.load()
+
+
+def _goal(config, avoid, world):
+    if world is None:
+        return None
+    from goal import build
+
+    goal = build.build(config, avoid, world)
+    build = None
+    forget("goal.build", "goal.choose")
+    return goal
 
 
 def _avoid(config):
@@ -232,7 +256,7 @@ def _arm(config, drive, link, chips, enable, own):
     forget("arm.build", "actuation.wiring")
 
 
-def _robot(config, avoid, lidar, drive, safety, health, link, screen_line):
+def _robot(config, avoid, lidar, drive, safety, health, link, screen_line, goal):
     """The robot, with what it shows."""
     from robot import Robot
 
@@ -242,6 +266,6 @@ def _robot(config, avoid, lidar, drive, safety, health, link, screen_line):
 
         screen = Screen(screen_line, config.screen_kind, config.screen_baud)
         unload("link.reason_texts", "link.screen_dialects")
-    robot = Robot(config, avoid, lidar, drive, safety, health, link, screen)
+    robot = Robot(config, avoid, lidar, drive, safety, health, link, screen, goal)
     forget("safety.build")
     return robot

@@ -276,7 +276,8 @@ class Link(Commands):
             return messages.health(data, robot, self.dropped, self.refused, len(self._carriers) > 1)
         if self._turns is not None and self._turns.due(now_us):
             return self._turns.take(data, now_us)
-        return 0
+        goal = robot.goal
+        return 0 if goal is None else goal.tell(data, now_us)
 
     def _long(self, data, now_us, robot):
         """The most urgent of the long messages; 0 when none is due."""

@@ -39,6 +39,12 @@ Robot to laptop
                    looked at, as others promised more). AF and AR are those of a right turn ahead; bit 0 of mirroring: both change their sign
                    (left), bit 1: they are exchanged with their sign changed (backward)
     0B REPLY       counter u32 and type u8 of the command, status u8 (OK, REFUSED), UTF-8 text
+    0D GOAL        time u32, then 21 i16: state (0 none, 1 going, 2 there, 3 alarm, 4 looking for itself, 5 lost), alarm (0 none, 1 door shut, 2 goal walled in, 3 no progress),
+                   method (0 gap, 1 field, 2 behaviour), pose (0 guessed, 1 given, 2 known, 3 lost), x, y, heading (0.1 deg), its own estimate of its error, percent of the points that fit,
+                   goal x, y, steered for x, y, length of the way (1/5 cells, -1 none), door that comes next (-1 none), door being passed, how much of it is open (-1 not measured), the
+                   middle of that (aside), searches, goals waiting, patrol. Only with a map; mm from the map's lower left corner
+    0E CELLS       time u32, number of the first cell u16, then cells u16 as goal/kernels.py describes them: a part of all, from the lower left, row by row
+    0F MAP         time u32, then bytes 4 to the last door of the map's file, goal/build.py
     0C NAMES       JSON: reasons, faults (the texts that numbers point into); only when asked for by GREET
     10 TURNS       time u32, turns of the loop u16 since the last; then for each part (see PARTS in survive.py) the sum u32 and the longest u32 of its times, us
     20 ARM_STATE   only with an arm: state u8 (off, wakes, holds, moves, plays), why u8 (what froze it last: nothing, hold, fault, link, wheels, chips), count u8, then
@@ -58,6 +64,9 @@ Laptop to robot; each payload begins with a counter u32
     50 ARM         what u8: 0 hold, 1 go on (what moves freezes 300 ms after the last command), 2 home, 3 play (then u8, bit 0: first go slowly to where it begins),
                    4 joint (then index u8, angle i16), 5 pose (then an angle i16 for each joint); angles 0.01 deg, joints of the plane first
     51 REACH       offset u16, then bytes of a trajectory, in pieces from 0 on without a gap (layout: arm/requests.py); the last piece has it checked and kept
+    49 GO          what u8 (0 give up, 1 go there, 2 there as well, later, 3 it is here, 4 go on: forget what was found and try again, 5 patrol, x 0 or 1, 6 method x,
+                   7 look for yourself), x i16, y i16 (mm on the map), heading i16 (0.1 deg)
+    4A MAP         first byte u16, how many u16, CRC-16 of all u16, then a part of map.bin in order; the last one puts it in place, for the next start
     48 RESTART     restart, as after a reset; refused unless the robot stands
 
 Commands over UDP end with a tag of 8 bytes: the first 8 bytes of HMAC-SHA256 under the robot's key, see `auth`. Over USB there is none:
@@ -89,6 +98,9 @@ REPLY = 0x0B
 NAMES = 0x0C
 TURNS = 0x10
 ARM_STATE = 0x20
+GOAL = 0x0D
+CELLS = 0x0E
+MAP = 0x0F
 
 DRIVE = 0x41
 TUNE = 0x42
@@ -100,6 +112,8 @@ GREET = 0x47
 RESTART = 0x48
 ARM = 0x50
 REACH = 0x51
+GO = 0x49
+PUT_MAP = 0x4A
 
 STOPPED = 0
 AUTO = 1
@@ -125,5 +139,10 @@ DRIVE_FORMAT = "<IBhhB"
 WATCH_FORMAT = "<IB"
 GREET_FORMAT = "<IB8s"
 POINT_FORMAT = "<IBh"
+GOAL_FORMAT = "<I21h"
+CELLS_FORMAT = "<IH"
+MAP_FORMAT = "<I"
+GO_FORMAT = "<IBhhh"
+PUT_MAP_FORMAT = "<IHHH"
 
 NO_POINT = 32767

@@ -29,6 +29,10 @@ REASONS = (
     "been here before, trying another way",
     "something new in the way, stopped",
     "waiting for a start: page, screen, or stop button held a second",
+    "waiting for a goal on its map",
+    "at its goal",
+    "alarm: the goal cannot be reached",
+    "standing, as it does not know where it is on its map",
 )
 
 # By the numbers of safety/faults.py

@@ -14,6 +14,7 @@ _TUNE = const(0x42)
 _KEEP = const(0x43)
 _POINT = const(0x46)
 _RESTART = const(0x48)
+_GO = const(0x49)
 _AUTO = const(1)
 _MANUAL = const(2)
 
@@ -24,6 +25,11 @@ def carry_out(link, kind, payload, robot, driven):
     payload: without the tag; the counter is its first 4 bytes. link: the Link. driven: whether the motors were on when
     the command came.
     """
+    if kind >= _GO:
+        from goal.orders import obey
+
+        forget("goal.orders")
+        return obey(robot, kind, payload)
     if kind == _POINT:
         link.stop()  # whoever turns wheels does not want it to drive
     if kind == _POINT and driven or kind == _RESTART and robot.drive.v256:

@@ -95,6 +95,7 @@ BOOT = """
 ["pins.stop_closed", "flag", false, null, null, "", "true for a stop button that opens when pressed: a broken wire stops, too; it does not start the robot"]
 ["pins.battery", "pin", 35, 32, 39, "", "battery voltage through a divider"]
 ["battery.divider", "int", 3.0, 1, 20, "times", "battery voltage over the voltage at the pin"]
+["goal.method", "choice", "gap", ["gap", "field", "behaviour"], null, "", "how a goal is made for, where there is a map: by gap seeking, paper C's potential field, or its behaviours"]
 ["drive.autostart", "flag", false, null, null, "", "true: drives off by itself when power is switched on; false: waits until it is started"]
 ["screen.kind", "choice", "none", ["none", "usart-gpu", "uart-lcd", "nextion"], null, "", "serial touch screen"]
 ["screen.uart", "int", 1, 1, 2, "", "UART of the screen"]

@@ -118,6 +118,7 @@ class CostToGo:
     """Cost of leaving, by pose. `step()` renews it slice by slice; of use when `builds`, the grids made so far, are more than one.
 
     grid: array('i') of cost_grid.py; first the corner's x and y (1/8 mm modulo 2**16) and the size of a cell (1/8 mm) of the one in use.
+    goal: goal.gap.Gap or None; laid: points of the trail so far.
     scratch: array('H'), in use while a grid is being made only: others may have it at other times.
     """
 
@@ -130,19 +131,19 @@ class CostToGo:
         """Lay the trail and turn the sense of direction with the robot. Call once a frame."""
         x = odometry.x
         y = odometry.y
-        if self._laid == 0:
+        if self.laid == 0:
             self._px = x
             self._py = y
         # The coordinates wrap, far out.
         dx = ((x - self._px & 0x1FFFFF ^ 0x100000) - 0x100000) >> 8
         dy = ((y - self._py & 0x1FFFFF ^ 0x100000) - 0x100000) >> 8
         step = self.grid[_GRID_CELL] >> 3
-        if self._laid and dx * dx + dy * dy < step * step:
+        if self.laid and dx * dx + dy * dy < step * step:
             return
-        i = self._laid % _TRAIL
+        i = self.laid % _TRAIL
         self._trail[2 * i] = (x >> 5) & 0xFFFF
         self._trail[2 * i + 1] = (y >> 5) & 0xFFFF
-        self._laid += 1
+        self.laid += 1
         self._px = x
         self._py = y
         # First-order low pass over the way travelled: 2.5 body lengths.
@@ -171,8 +172,8 @@ class CostToGo:
             fill(self._revisit, _PLACES >> 1, 0x0202)
         elif stage == 1:
             # Ground covered becomes expensive, more each time; not what the body still stands on.
-            first = self._laid - _TRAIL
-            cover(job, first if first > 0 else 0, self._revisit, self._trail, self._laid - _TRAIL_GAP)
+            first = self.laid - _TRAIL
+            cover(job, first if first > 0 else 0, self._revisit, self._trail, self.laid - _TRAIL_GAP)
             self._k = 0
         elif stage == 2:
             self._k = close(self._k, job, self._marks, self._closed, self._near, self._masks, points.x, points.y, points.count, _POINTS)
@@ -182,6 +183,8 @@ class CostToGo:
             sense = heading_branch.apply(odometry.heading // 100, self._lean, self._closed)
             wave = self._wave
             seed(self.cost, self._closed, self._marks, self.ux, self.uy, sense, wave[5], self._rim)
+            if self.goal is not None:
+                self.goal.seed(job, self.cost, self._closed, self._marks)
             wave[0] = wave[1] = wave[2] = 0
             wave[3] = _OUT
             wave[4] = sense if wave[9] else 0

@@ -20,6 +20,7 @@ _SLICE = const(1800)  # candidate tests in one slice
 _OVERHEAD = const(76)  # what is done once for a candidate, its five ends above all, in tests
 _BOUNDS = const(40)  # lower bounds in one slice
 _BEST_FIRST = const(190)  # ... to find and to check the one with the least lower bound
+_TO_GOAL = const(8)
 _UNITS = const(100 * 1200)  # weights are in percent, over 120 degrees
 
 # Fields of CostToGo.grid, see cost_grid.py
@@ -194,8 +195,10 @@ class MoveCost:
         look_ahead = self._candidates.look_ahead
         job = self._job
         job[_WAY] = look_ahead * 3 // 7
-        job[_STEERING] = config.avoid_steering_weight * look_ahead * 1024 // _UNITS
-        job[_CHANGE] = config.avoid_change_weight * look_ahead * 1024 // _UNITS
+        # With a goal a way that leads there crookedly is the better one: what steering costs then only decides between equals.
+        look_ahead = look_ahead * 1024 // (_TO_GOAL if self.cost_to_go.goal is not None else 1)
+        job[_STEERING] = config.avoid_steering_weight * look_ahead // _UNITS
+        job[_CHANGE] = config.avoid_change_weight * look_ahead // _UNITS
 
     def stand(self, odometry):
         """Score from where the body is now. Returns its cost to go, mm."""

@@ -60,7 +60,8 @@ def cost_to_go(self, config):
     self.grid = array("i", (0, 0, cell, radius, len(self._masks) // (16 * _SHAPES)))  # of cost_grid.py
     self._wave = array("i", (0, 0, 0, 0, 0, shift, 20, 16, 4, 0) if config.mode == "AWS" else (0, 0, 0, 0, 0, shift, 24, 16, 6, 1))  # of propagate.py
     self._trail = array("H", bytes(2 * 2 * _TRAIL))  # x, y
-    self._laid = 0  # points of it so far
+    self.laid = 0  # points of it so far
+    self.goal = None
     self.ux = 0  # direction of travel over the last few lengths, * 2**10
     self.uy = 1024
     self._pose = array("i", (0, 0, 0))  # for at()

@@ -14,7 +14,7 @@ _LIDAR = const(2)
 _HUNG = const(10)
 
 
-def robot(self, config, avoid, lidar, drive, safety, health, link, screen):
+def robot(self, config, avoid, lidar, drive, safety, health, link, screen, goal):
     """Fields of a Robot."""
     self.config = config
     self.avoid = avoid
@@ -27,6 +27,7 @@ def robot(self, config, avoid, lidar, drive, safety, health, link, screen):
     self.feed = bool
     self.link = link
     self.screen = screen
+    self.goal = goal
     self.odometry = Odometry(config)
     self.trust = safety.trust
     self.took_us = 0

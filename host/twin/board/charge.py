@@ -276,6 +276,8 @@ _GATHER = const(47)
 _LINE_CHECK = const(48)
 _TRUST = const(49)
 _SAFETY = const(50)
+_GOAL_FRAME = const(51)
+_GOAL_STEP = const(52)
 
 
 @_wraps(_CONFIG, "params.config:Config.__init__")
@@ -712,6 +714,34 @@ def _safety(self, now_us):
     enter()
     out = _originals[_SAFETY](self, now_us)
     leave(_SAFETY, 0, 0)
+    return out
+
+
+@_wraps(_GOAL_FRAME, "goal.layer:Goal.frame")
+def _goal_frame(self, lidar, odometry):
+    enter()
+    before = self.numbers[7]
+    _originals[_GOAL_FRAME](self, lidar, odometry)
+    leave(_GOAL_FRAME, max(self.numbers[7] - before, 0), 0)
+
+
+@_wraps(_GOAL_STEP, "goal.layer:Goal.step")
+def _goal_step(self, odometry, points):
+    enter()
+    n = self.numbers
+    stage, search = n[43], n[44]
+    out = _originals[_GOAL_STEP](self, odometry, points)
+    work = 0  # as much as a point matched
+    if out:
+        if stage == 0:
+            work = n[7] if self.locate is None else 720
+        elif stage == 1:
+            work = 330
+        elif stage == 2:
+            work = min(points.count, 90) * 6
+        elif stage == 3:
+            work = n[1] * 6 // 5 if search == 0 else n[1] * 2 // 3 if search < 3 else 870
+    leave(_GOAL_STEP, 1 if out else 0, work)
     return out
 
 

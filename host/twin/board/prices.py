@@ -62,4 +62,6 @@ OF = {
     "link.screen:crc16": (4134, 0, 0),
     "perception.scan_trust:ScanTrust.frame": (91434, 0, 0),
     "safety.safety:Safety.check": (19356, 0, 0),
+    "goal.layer:Goal.frame": (8000, 44800, 0),
+    "goal.layer:Goal.step": (2000, 160000, 4800),
 }

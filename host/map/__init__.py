@@ -1,0 +1,1 @@
+"""Maps of houses for the board: `python -m host.map --help`."""
