@@ -74,7 +74,7 @@ class Robot:
         link = self.link
         trust = self.trust
         goal = self.goal
-        seen = False
+        seen = busy = False
         owed = self._owed
         note[_PART] = _LIDAR
         keep(note)
@@ -111,23 +111,26 @@ class Robot:
             note[_PART] = _PLANNER
             keep(note)
             self._watch_out()
+            busy = True
             self._slices = _SLICES
             self._owed = 1 if drive.v256 else 2  # a robot that stands may be late
         elif self._slices:
             if due:
+                busy = True
                 self._owed = owed
             else:
                 note[_PART] = _PLANNER
                 keep(note)
                 self._slices -= 1
                 self._decide()
-                if owed and avoid.decision.busy:
+                busy = avoid.decision.busy and self._slices > 0
+                if owed and busy:
                     self._owed = owed - 1
         if due:
             note[_PART] = _DRIVE
             keep(note)
             drive.update(now)
-        return self._owed > 0 or self._slices > 0 and avoid.decision.busy
+        return busy
 
     def off(self):
         """Everything off, for good. The chips go on with what they last heard: whatever ends the loop must not leave the wheels turning."""

@@ -117,7 +117,9 @@ def test_a_turn_says_whether_the_next_should_come_at_once():
         assert turns <= 6  # and the last of six slices, the chips being written once
         most = max(most, turns)
     assert most and not robot.safety.fault
-    robot.safety.stop()
+    uart.waiting = True
+    assert robot.step()
+    robot.safety.stop()  # in the middle of a decision
     assert not robot.step()
 
 

@@ -17,6 +17,7 @@ _WDT_RESET = const(3)
 _GOOD = const(".good")
 _BLOCK = const(64)
 
+_THIS = const("core/start.mpy")
 _IMPORT_ONLY = const("__file__ __name__ const")  # what modules need for their import, and never again
 
 # What holds machine code, and stays: each with what it imports.
@@ -81,16 +82,31 @@ def _build(path, note):
 
 
 def _trim():
-    """Let the tables of modules and their names shrink to what the robot needs, on the board only: a dict gives room back only when it is emptied."""
+    """Let go of what the robot was made with, on the board only: the constructors, each part having been made, and the names of what only imports
+    needed. The tables of names are emptied for it, as a dict gives room back only then."""
     if sys.implementation.name == "micropython":
         gone = _IMPORT_ONLY.split(" ")
-        for module in sys.modules.values():
+        lib = __file__[: -len(_THIS)]
+        ours = [name for name, module in sys.modules.items() if module.__dict__.get("__file__", "").startswith(lib)]
+        for name, module in sys.modules.items():
             names = module.__dict__
             if "__path__" in names:  # a package: its modules are found without it, but later imports need its own names
                 _shrink(names, [item for item in names.items() if type(item[1]) is not type(sys)])
-            elif "__file__" in names:  # no module of the interpreter's own
-                _shrink(names, [item for item in names.items() if item[0] not in gone])
+            elif name in ours:
+                _shrink(names, [item for item in names.items() if item[0] not in gone and not _was_class(item[1], ours)])
         _shrink(sys.modules, list(sys.modules.items()))
+
+
+def _was_class(thing, ours):
+    """Whether it is a class of one of our modules; it has no constructor from now on."""
+    if type(thing) is not type or getattr(thing, "__module__", None) not in ours:
+        return False
+    try:
+        del thing.__init__
+        thing.__init__ = None  # in its place in the table: deleting alone does not let go of it
+    except AttributeError:
+        pass
+    return True
 
 
 def _shrink(table, kept):
