@@ -26,6 +26,7 @@ export class Dials {
       box.className = "dial";
       const svg = document.createElementNS(SVG, "svg");
       svg.setAttribute("viewBox", "0 0 40 40");
+      svg.setAttribute("aria-hidden", "true"); // the words beside it say it
       const ring = document.createElementNS(SVG, "circle");
       Object.entries({ cx: 20, cy: 20, r: 18, fill: "none", stroke: "var(--line)", "stroke-width": 2 }).forEach(([n, v]) => ring.setAttribute(n, v));
       const needle = document.createElementNS(SVG, "rect");
