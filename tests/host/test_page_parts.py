@@ -1,0 +1,250 @@
+"""What the parts of the monitor's page do, in a real browser: maps, charts, tuning, gamepads, the twin's time and its box."""
+
+import math
+import time
+
+import pytest
+from open_page import Monitor, needs_browser
+
+pytestmark = needs_browser
+
+# Another page's end of the WebSocket, in this page: what is told, and what a command brings about.
+LISTEN = """
+window.told = [];
+window.socket = new WebSocket(`ws://${location.host}/live${location.search}`);
+socket.onmessage = (event) => told.push(...JSON.parse(event.data));
+"""
+# What the words beside the pointer say at places of a canvas, given as shares of its width and height.
+HOVER = """
+const [id, places, done] = arguments, canvas = document.getElementById(id), box = canvas.getBoundingClientRect(), out = [];
+const next = () => {
+  if (!places.length) return done(out);
+  const [x, y] = places.shift(), at = { clientX: box.x + x * box.width, clientY: box.y + y * box.height, bubbles: true, pointerId: 1, pointerType: "mouse" };
+  canvas.dispatchEvent(new PointerEvent("pointermove", at));
+  requestAnimationFrame(() => requestAnimationFrame(() => {
+    out.push(canvas.parentNode.querySelector(".tip").textContent);
+    next();
+  }));
+};
+next();
+"""
+ROW, FAN = [(0.02 * k, 0.5) for k in range(50)], [(0.38 + 0.024 * k, 0.2 + 0.02 * j) for k in range(11) for j in range(7)]
+
+
+@pytest.fixture(scope="module")
+def page(browser):
+    page = Monitor(browser, "twin:z?width=620")
+    page.size(1440, 900)
+    page.js(LISTEN)
+    yield page
+    browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    page.close()
+
+
+@pytest.fixture(autouse=True)
+def going(page):
+    """No test begins in the pause that another one left."""
+    page.js("if (window.socket) socket.send(JSON.stringify({ do: 'pace', paused: false, speed: 1 }))")
+
+
+def latest(page, kind):
+    return page.js("return told.filter((one) => one.type === arguments[0]).at(-1)", kind)
+
+
+def count(page, kind):
+    return page.js("return told.filter((one) => one.type === arguments[0]).length", kind)
+
+
+def hover(page, name, *places):
+    """Texts beside the pointer."""
+    return page.browser.execute_async_script(HOVER, name, places)
+
+
+def test_why_a_candidate_was_refused_is_told_where_it_is_pointed_at(page):
+    many = "return told.findLast((one) => one.type === 'candidates')?.list.filter(({ free }) => free !== null && free < 500).length > 20"
+    assert page.until(lambda: (latest(page, "decision") or {}).get("v", 90) > 90 and page.js(many))
+    page.tab("twin")
+    pause = page.browser.find_element("css selector", "[data-id=pause]")
+    pause.click()  # so that what is pointed at stays
+    assert page.until(lambda: page.text("state") == "paused")
+    texts = hover(page, "map", *ROW, *FAN)
+    refused = [text for text in texts if text.startswith("AF ")]
+    assert any("mm, where the" in text and "comes within the margin of a point" in text for text in refused), [text for text in texts if not text[0].isdigit()]
+    points = [text for text in texts if "remembered for" in text]
+    assert any("planning" in text and "mm from the body" in text for text in points), [text for text in texts if not text[0].isdigit()]
+    shown = page.colours("map")
+    pause.click()
+    page.click("stop")
+    # Standing, nothing is being refused.
+    assert page.until(lambda: page.text("state") == "stopped")
+    assert not any(text.startswith("AF ") for text in hover(page, "map", *FAN))
+    assert page.colours("map") < shown
+    page.click("auto")
+
+
+def test_the_twin_stands_still_in_time_and_goes_on_by_one_decision(page):
+    assert page.until(lambda: page.text("state") == "auto")
+    page.tab("twin")
+    page.browser.find_element("css selector", "[data-id=pause]").click()
+    assert page.until(lambda: page.text("state") == "paused")
+    time.sleep(0.3)  # what was on its way
+    before, decisions = latest(page, "truth")["time"], count(page, "decision")
+    time.sleep(0.8)
+    assert latest(page, "truth")["time"] == before and count(page, "decision") == decisions
+    page.browser.find_element("css selector", "[data-id=step]").click()
+    assert page.until(lambda: count(page, "decision") == decisions + 1 and latest(page, "pace")["paused"])
+    time.sleep(0.5)
+    assert count(page, "decision") == decisions + 1 and 0 < latest(page, "truth")["time"] - before < 1
+    slow = page.browser.find_element("css selector", "[data-id=speeds] [data-value='0.1']")
+    slow.click()
+    page.browser.find_element("css selector", "[data-id=pause]").click()
+    began, at = time.monotonic(), latest(page, "truth")["time"]
+    time.sleep(2)
+    assert 0 < latest(page, "truth")["time"] - at < 0.15 * (time.monotonic() - began)
+    page.browser.find_element("css selector", "[data-id=speeds] [data-value='1']").click()
+
+
+def test_a_box_is_put_into_its_way_and_dragged_and_the_lidar_sees_it(page):
+    from selenium.webdriver import ActionChains
+
+    page.click("stop")
+    assert page.until(lambda: page.text("state") == "stopped")
+    page.tab("twin")
+    page.browser.find_element("css selector", "[data-id=box]").click()
+    assert page.until(lambda: (latest(page, "box") or {}).get("size") == 200)
+    first, truth = latest(page, "box"), latest(page, "truth")
+    where = """const { walls } = told.findLast((one) => one.type === "world"), canvas = document.getElementById("world");
+        const xs = walls.flatMap(([a, , b]) => [a, b]), ys = walls.flatMap(([, a, , b]) => [a, b]), { clientWidth: w, clientHeight: h } = canvas;
+        const [l, r, b, t] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)], scale = Math.min(w / (r - l), h / (t - b)) * 0.94;
+        return [...arguments].map(([x, y]) => [Math.round((x - (l + r) / 2) * scale), Math.round(-(y - (b + t) / 2) * scale)])"""
+    # To where the robot is, which is refused, and then to its side.
+    (x, y), (rx, ry), (tx, ty) = page.js(where, [first["x"], first["y"]], [truth["x"], truth["y"]], [truth["x"], truth["y"] + 480])
+    canvas = page.browser.find_element("id", "world")
+    ActionChains(page.browser, duration=50).move_to_element_with_offset(canvas, x, y).click_and_hold().move_by_offset(rx - x, ry - y).release().perform()
+    assert page.until(lambda: any("there stands the robot" in one["text"] for one in page.js("return told.filter((one) => one.type === 'text')")), 5)
+    now = latest(page, "box")
+    ((x, y),) = page.js(where, [now["x"], now["y"]])
+    ActionChains(page.browser, duration=50).move_to_element_with_offset(canvas, x, y).click_and_hold().move_by_offset(tx - x, ty - y).release().perform()
+    assert page.until(lambda: abs(latest(page, "box")["x"] - truth["x"]) < 30 and abs(latest(page, "box")["y"] - truth["y"] - 480) < 30, 5), latest(page, "box")
+    seen = "const points = told.findLast((one) => one.type === 'points'); return points.x.some((x, i) => Math.hypot(x - arguments[0], points.y[i] - arguments[1]) < 60)"
+    heading = math.radians(latest(page, "truth")["heading"])
+    near = 480 - 100  # its side that faces the robot
+    assert page.until(lambda: page.js(seen, -near * math.sin(heading), near * math.cos(heading)), 5)
+    page.browser.find_element("css selector", "[data-id=box]").click()
+    assert page.until(lambda: latest(page, "box")["size"] == 0)
+
+
+def test_charts_have_axes_values_and_marks_and_can_be_scrolled(page):
+    page.click("auto")
+    assert page.until(lambda: page.text("state") == "auto" and max(page.speeds()) > 50)
+    page.click("stop")
+    assert page.until(lambda: page.text("state") == "stopped")
+    page.js("document.querySelector('#spans [data-value=Infinity]').click()")
+    page.frames(2)
+    texts = hover(page, "charts", *((0.1 + 0.01 * k, 0.5) for k in range(88)))
+    assert any("V 108" in text and "decided in" in text and "free" in text for text in texts)
+    assert any("stopped by command" in text for text in texts)
+    # Ten seconds of it, scrolled to the beginning and back.
+    page.js("document.querySelector('#spans [data-value=\"10\"]').click()")
+    page.frames(2)
+    late = float(hover(page, "charts", (0.9, 0.5))[0].split(" s")[0])
+    page.js("const one = document.getElementById('scroll'); one.value = one.min; one.dispatchEvent(new Event('input'))")
+    page.frames(2)
+    early = float(hover(page, "charts", (0.9, 0.5))[0].split(" s")[0])
+    assert 8 < early < 10 < late and page.js("return Number(document.getElementById('scroll').max)") >= late
+
+
+AXIS = """
+const done = arguments[0];
+import("/charts.js").then(({ Charts }) => {
+  const canvas = document.createElement("canvas"), drawn = [];
+  Object.assign(canvas.style, { width: "800px", height: "300px" });
+  document.body.append(canvas);
+  const charts = new Charts(canvas, () => {}, () => {}, () => "why");
+  [0, 12, -12].forEach((af, k) => charts.note({ time: k, number: k, af, ar: 0, v: 108, took: 5, free: 500 }));
+  const pen = canvas.getContext("2d"), text = pen.fillText.bind(pen);
+  pen.fillText = (what, x, y) => { drawn.push([what, x, y]); text(what, x, y); };
+  charts.draw();
+  canvas.remove();
+  done(drawn);
+});
+"""
+
+
+def test_twelve_degrees_are_seen(page):
+    labels = {text: y for text, x, y in page.browser.execute_async_script(AXIS) if x < 95}
+    assert labels["-12"] - labels["12"] > 50 and {"steering", "speed", "decision", "free way"} <= set(labels)
+
+
+def test_a_wrong_value_is_marked_with_its_range_and_a_change_undone(page):
+    page.tab("tune")
+    assert page.until(lambda: page.browser.find_elements("id", "parameter-drive.cruise"))
+    assert "none of" in page.text("differ")
+    write = "const one = document.getElementById('parameter-drive.cruise'); one.value = arguments[0]; one.dispatchEvent(new Event('input'))"
+    row = "return document.getElementById('parameter-drive.cruise').closest('.parameter').innerText"
+    page.js(write, 300)
+    assert "91 to 180" in page.js(row) and page.js("return document.getElementById('parameter-drive.cruise').getAttribute('aria-invalid')") == "true"
+    page.js(write, 120)
+    assert "91 to 180" not in page.js(row).split("default")[-1]
+    assert page.until(lambda: page.js("return told.findLast((one) => one.key === 'drive.cruise')?.value") == 120, 5)
+    assert "1 of" in page.text("differ")
+    page.click("undo")
+    assert page.until(lambda: page.js("return told.findLast((one) => one.key === 'drive.cruise')?.value") == 108, 5)
+    assert page.until(lambda: "none of" in page.text("differ"), 3)
+    assert page.js("return document.getElementById('parameter-drive.cruise').value") == "108"
+
+
+def test_the_wheel_that_is_trimmed_is_drawn_turned(page):
+    page.tab("tune")
+    page.js("document.getElementById('trims').parentNode.open = true")
+    page.js("const one = document.getElementById('parameter-servos.trims.3'); one.focus(); one.value = 7; one.dispatchEvent(new Event('input'))")
+    wheels = page.js("return [...document.querySelectorAll('#trims .wheel')].map((one) => [one.getAttribute('transform'), one.classList.contains('marked')])")
+    assert (
+        len(wheels) == 10 and wheels[3] == ["rotate(7)", True] and all(turn in (None, "rotate(0)") and not marked for turn, marked in wheels[:3] + wheels[4:])
+    )
+    page.click("undo")
+    assert page.until(lambda: page.js("return document.querySelectorAll('#trims .wheel')[3].getAttribute('transform')") == "rotate(0)", 5)
+
+
+def test_the_buttons_of_a_pad_are_shown_and_learned(page):
+    pad = """window.pad = {id: "odd pad", axes: [0, 0, 0], buttons: Array.from({length: 12}, () => ({pressed: false}))};
+        Object.defineProperty(navigator, "getGamepads", {value: () => [window.pad], configurable: true})"""
+    page.js(pad)
+    page.tab("gamepad")
+    uses = "return [...document.querySelectorAll('.use')].map((one) => one.firstChild.textContent)"
+    assert page.until(lambda: page.js(uses) and page.js(uses)[:3] == ["steer: axis 0", "drive: axis 1, reversed", "stop: button 0 or 1"], 5)
+    page.click("auto")
+    assert page.until(lambda: page.text("state") == "auto")
+    time.sleep(0.8)  # the pad is seen at rest
+    learn = "document.querySelectorAll('.use')[arguments[0]].querySelector('button').click()"
+    page.js(learn, 2)
+    page.js("window.pad.buttons[7].pressed = true")
+    assert page.until(lambda: page.js(uses)[2] == "stop: button 7", 5)
+    assert page.text("state") == "auto"  # showing it was no command
+    page.js("window.pad.buttons[7].pressed = false")
+    time.sleep(0.3)
+    page.js("window.pad.buttons[7].pressed = true")
+    assert page.until(lambda: page.text("state") == "stopped", 3)
+    page.js(learn, 1)
+    page.js("window.pad.axes[2] = -0.9")
+    assert page.until(lambda: page.js(uses)[1] == "drive: axis 2, reversed", 5)
+    page.js("window.pad.axes[2] = 0; navigator.getGamepads = () => []")
+    assert "odd pad" in page.js("return localStorage.getItem('gapseeker.pads')")
+
+
+def test_a_course_is_chosen_by_its_picture_with_what_fails(page):
+    page.tab("twin")
+    pictures = page.js(
+        "return [...document.querySelectorAll('.courses button')].map((one) => [one.textContent, one.querySelector('path').getAttribute('d').length])"
+    )
+    assert {"Z", "U", "S", "S-sharp", "bend", "random"} <= {name for name, _ in pictures} and all(long > 60 for _, long in pictures)
+    page.js("document.querySelector('.courses [data-value=u]').click()")
+    page.js(
+        "for (const [id, value] of [['size', 700], ['seed', 2], ['fault', 'lidar-frozen'], ['after', 9]]) document.querySelector(`[data-id=${id}]`).value = value"
+    )
+    page.js("document.querySelector('[data-id=form] button.main').click()")
+    assert page.until(lambda: page.text("address") == "twin:U?width=700&seed=2&fault=lidar-frozen%409", 10), page.text("address")
+    page.js(
+        "document.querySelector('[data-id=size]').value = 20; document.querySelector('[data-id=form]').noValidate = true; document.querySelector('[data-id=form] button.main').click()"
+    )
+    assert page.until(lambda: "260 to 3000" in page.js("return document.querySelector('[data-id=trouble]').textContent"), 5)
