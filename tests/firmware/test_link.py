@@ -102,7 +102,8 @@ class Robot:
         self.avoid = self.drive = self.odometry = self.lidar = Part()
         self.health = Part()
         self.safety = Safety()
-        self.feed = bool
+        self.feed = self.keep = bool
+        self.note = bytearray(8)
         self.is_off = False
 
     def off(self):
