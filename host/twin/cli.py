@@ -150,8 +150,9 @@ def _parser():
     add("--fault", type=_fault, metavar="NAME[@SECONDS]", help="what fails, and when (default: once it drives and 4 s have passed); list: shows the names")
     add("--no-autostart", dest="changes", action="store_const", const={"drive.autostart": False}, help="wait for a start, as the robot does after power-up")
     add("--json", action="store_true", help="print one JSON object with the result and nothing else")
-    add("--record", metavar="FILE", help="record the run (without it, a run that ends badly leaves a recording in out/ended-badly)")
-    add("--no-record", dest="record", action="store_const", const=False, help="never record")
+    recording = parser.add_mutually_exclusive_group().add_argument
+    recording("--record", metavar="FILE", help="record the run (without it, a run that ends badly leaves a recording in out/ended-badly)")
+    recording("--no-record", dest="record", action="store_const", const=False, help="never record")
     add("--picture", metavar="FILE", help="draw the run (.png, .svg or .pdf)")
     add("--mirror", action="store_true", help="the course with left and right exchanged")
     add("--reverse", action="store_true", help="enter from the other end")

@@ -44,7 +44,7 @@ def page(browser):
 @pytest.fixture(autouse=True)
 def going(page):
     """No test begins in the pause that another one left."""
-    page.js("if (window.socket) socket.send(JSON.stringify({ do: 'pace', paused: false, speed: 1 }))")
+    page.js("if (window.socket?.readyState === 1) socket.send(JSON.stringify({ do: 'pace', paused: false, speed: 1 }))")
 
 
 def latest(page, kind):

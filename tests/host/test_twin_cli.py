@@ -128,6 +128,7 @@ def test_picture(twin, tmp_path):
         (["random", "--width", "600"], "a width is for the passages"),
         (["Z", "--angle", "60"], "an angle is for the bend"),
         (["Z", "--record", "pyproject.toml"], "exists already"),
+        (["Z", "--record", "run.rec", "--no-record"], "not allowed with"),
         ([], "COURSE"),
     ],
 )
