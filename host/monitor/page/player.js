@@ -1,12 +1,19 @@
 // Recording, replaying with a time slider, and going to another robot.
 
+import { isOn, toggle } from "./choices.js";
+
 const clock = (seconds) => `${Math.floor(seconds / 60)}:${(seconds % 60).toFixed(1).padStart(4, "0")}`;
 
 export class Player {
   constructor(send) {
     const get = (id) => document.getElementById(id);
     Object.assign(this, { send, get, recordingPath: null, held: false });
-    get("record").onclick = () => send({ do: this.recordingPath ? "end_recording" : "record" });
+    get("record").onclick = () => {
+      // The robot tells raw scans to whoever asks, and they are recorded with the rest; the map shows them then.
+      if (!this.recordingPath && isOn(get("with-scans")) && !isOn(get("scan"))) get("scan").click();
+      send({ do: this.recordingPath ? "end_recording" : "record" });
+    };
+    toggle(get("with-scans"), () => {});
     get("again").onclick = () => send({ do: "again" });
     get("open").onsubmit = (event) => {
       event.preventDefault();
