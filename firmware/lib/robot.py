@@ -6,6 +6,7 @@ from micropython import const
 
 from core.unload import forget
 from link import telemetry
+from perception.odometry import Odometry
 
 _STOPPED = const(12)  # reasons.STOPPED
 _FAULT = const(13)  # reasons.FAULT
@@ -31,9 +32,26 @@ class Robot:
     """
 
     def __init__(self, config, avoid, lidar, drive, safety, health, link=None, screen=None, goal=None):
-        from safety.build import robot
-
-        robot(self, config, avoid, lidar, drive, safety, health, link, screen, goal)
+        self.config = config
+        self.avoid = avoid
+        self.lidar = lidar
+        self.drive = drive
+        self.safety = safety
+        self.health = health
+        self.note = bytearray(b"GS\x00\x00")
+        self.keep = len  # takes the bytes as well, and does nothing
+        self.feed = bool
+        self.link = link
+        self.screen = screen
+        self.goal = goal
+        self.odometry = Odometry(config)
+        self.trust = safety.trust
+        self.took_us = 0
+        self._slices_us = 0
+        self._slices = 0  # of the decision, which may still be made before the next frame
+        self._owed = 0  # so many of them at least
+        self._hand = None  # planner.hand.by_hand while it is needed
+        self._by_hand = 0  # how far V may lie from 90 by the last frame
 
     def step(self):
         """Once round. Returns True if there is more to do at once: a frame was taken in, or a decision is under way.

@@ -213,7 +213,7 @@ def _link(config, safety, wlan, remark):
 
     link = start_link(config, machine, safety, wlan, remark)
     start_link = None
-    forget("link.start", "link.build", "core.version")
+    forget("link.start", "core.version")
     return link
 
 
@@ -283,5 +283,4 @@ def _robot(config, avoid, lidar, drive, safety, health, link, screen_line, goal)
         screen = Screen(screen_line, config.screen_kind, config.screen_baud)
         unload("link.reason_texts", "link.screen_dialects")
     robot = Robot(config, avoid, lidar, drive, safety, health, link, screen, goal)
-    forget("safety.build")
     return robot

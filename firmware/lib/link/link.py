@@ -33,6 +33,7 @@ _HEALTH = const(3)
 _CANDIDATES = const(4)
 _ANSWER = const(5)
 _POSE = const(6)
+_KINDS = const(7)
 _SEALED = const(-1)
 _HELLO_US = const(1_000_000)
 _WHEELS_US = const(50_000)
@@ -68,9 +69,37 @@ class Link(Commands):
     """
 
     def __init__(self, config, identity, encoder, carriers, session, safety, signer=None):
-        from link.build import set_up_link
-
-        set_up_link(self, config, identity, encoder, carriers, session, safety, signer)
+        self.config = config
+        self.changed = {}
+        self.session = session
+        self.signer = signer
+        self.safety = safety
+        self.af = self.ar = self.refused = self.counter = 0
+        self.v = 90
+        self.greeted = self.restarting = False
+        self.listing = -1
+        self.replies = []
+        self._heard_us = self._hand = None
+        self._identity = identity
+        self._encoder = encoder
+        self._carriers = carriers
+        self.dropped = 0
+        self._told_us = [None] * _KINDS  # when each was told last
+        self._decisions = self._points_of = -1
+        self._unsealed = 0  # payload's length of the long message that has been put together; _SEALED when it has its check and has yet to be sent
+        self._names_due = False
+        self._nonce = b""  # of a greeting over the network, for the HELLO that answers it
+        self._asker = None  # the carrier over which somebody asked without knowing the session
+        self.logs = []
+        self._drive_fault = ""
+        self._battery_low = False
+        self._fault = 0  # told last
+        self._lost = False
+        self._turn = config.lidar_frames  # of the lidar; told at the start only
+        self._watched = self._scan = self._turns = None  # the module, while wanted; its ScanGatherer; a Turns
+        self._wanted = self._side = 0
+        self._rare = None  # name of the module that is loaded for a rare command
+        self._rare_us = 0
 
     def log(self, level, text):
         """Queue a line for the log: level 0 information, 1 warning, 2 error; text a str. Allocates; not for every loop."""

@@ -10,12 +10,16 @@ A carrier has
     heard(now_us)           what was received last was a valid command
 """
 
+import select
 import sys
 from time import ticks_add, ticks_diff, ticks_us
 
 import micropython
 from micropython import const
 
+from link.telemetry import Decoder
+
+_COMMAND = const(200)  # longest payload of a command
 _BLOCK = const(8)  # bytes taken in at a time: each costs some 75 us
 _CTRL_C = const(3)
 _STALE_US = const(200_000)  # a frame from USB that is not whole by then never will be
@@ -37,9 +41,20 @@ class SerialLine:
     signed = False
 
     def __init__(self, source=None, sink=None, clock=ticks_us):
-        from link.build import set_up_line
-
-        set_up_line(self, source or sys.stdin, sink or sys.stdout, clock)
+        source = source or sys.stdin
+        # CPython's buffered reader would take bytes that select then no longer sees.
+        self.source = getattr(source.buffer, "raw", source.buffer)
+        self._sink = (sink or sys.stdout).buffer
+        self._clock = clock
+        poller = select.poll()
+        poller.register(source, select.POLLIN)
+        self.ready = getattr(poller, "ipoll", poller.poll)  # poll makes a list at each call
+        self._one = bytearray(1)
+        self.decoder = Decoder(_COMMAND)
+        self._begun_us = 0  # when the frame that is coming in began
+        self._data = None  # of the frame that goes out
+        self._at = self._end = 0  # what of it has yet to go
+        self._empty_us = clock()  # when the FIFO will be empty
         micropython.kbd_intr(-1)
 
     def close(self):

@@ -25,9 +25,19 @@ class Health:
     """
 
     def __init__(self, drive, adc, config):
-        from safety.build import health
-
-        health(self, drive, adc, config)
+        self._drive = drive
+        self._adc = adc
+        self._config = config
+        self.battery_mv = 0
+        self.battery_low = self.lost = self.empty = False
+        self.worst_us = 0
+        self.heap_free = gc.mem_free()
+        self.uptime_ms = 0
+        self._empty = 0
+        self._checked_us = None
+        self._battery_us = self._heap_us = self._second_us = self._millisecond_us = None
+        self._worst_now = 0
+        self._calibrated = True
 
     def check(self, now_us):
         """Once a turn of the loop; returns what the turn before took, us. Allocates nothing."""

@@ -53,9 +53,22 @@ class Safety:
     """
 
     def __init__(self, lidar, drive, health, button, trust=None, autostart=False, hung=False):
-        from safety.build import safety
-
-        safety(self, lidar, drive, health, button, trust, autostart, hung)
+        self._lidar = lidar
+        self._drive = drive
+        self._health = health
+        self._button = button
+        self.trust = trust
+        self.state = AUTO if autostart else STOPPED
+        self.waiting = not autostart
+        self.fault = _LIDAR
+        self.most = 90
+        self.failures = 0
+        self._latched = _HUNG if hung else _NONE
+        self._well_us = None
+        self._begun = False  # it was fit to drive once
+        self._late = 0
+        self._restarts = drive.restarts
+        self._lost_us = self._lost_before_us = None  # when a chip was lost last, and the time before
 
     def start(self, state):
         """A person wants it to drive. False while the stop button is pressed."""

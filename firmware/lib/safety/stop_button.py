@@ -25,9 +25,12 @@ class StopButton:
     """
 
     def __init__(self, pin, closed=False):
-        from safety.build import stop_button
-
-        stop_button(self, pin, closed)
+        self._pin = pin
+        self._level = 1 if closed else 0
+        self._never = closed  # starts the robot
+        self._pressed = True  # who holds it while the power comes on, or after a reset, starts nothing
+        self._starts = False
+        self._since_us = self._open_us = None
 
     def look(self, now_us, stands):
         """PRESSED while there is contact, START once after a long press, else 0. stands: whether the robot was told to stand until now."""
