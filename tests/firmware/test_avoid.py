@@ -116,3 +116,15 @@ def _least(scores):
 def test_closed_all_round_it_stands():
     avoid = _decision(_walls((-127, -302, -127, 302), (127, -302, 127, 302), (-127, 302, 127, 302), (-127, -302, 127, -302)))
     assert avoid.v == 90, (avoid.af, avoid.ar, avoid.v)
+
+
+def test_checking_two_candidates_parts_points_and_windows():
+    """The check puts what stopped one candidate before the others: from then on windows.window does not go with the points."""
+    avoid = _decision(_walls((-350, -800, -350, 1000), (350, -800, 350, 1000)))
+    ways = avoid.ways
+    ways.see(Still())
+    assert ways.ordered
+    ways.check(0, 4, 5, 0)
+    assert ways.ordered
+    ways.check(0, 4, 6, 0)
+    assert not ways.ordered

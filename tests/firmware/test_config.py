@@ -94,6 +94,11 @@ def test_refusals_name_the_key_its_value_and_what_is_allowed():
         ({"lidar": {"rx": None}}, "lidar.rx = null: a GPIO is needed"),
         ({"pins": {"output_enable": 34}}, "pins.output_enable = 34: null or a GPIO 0 .. 33 is needed, not 1, 3 (USB) or 6 .. 11 (flash)"),
         ({"screen": {"kind": "nextion", "uart": 2}}, "screen.uart = 2: already the UART of the lidar"),
+        ({"lidar": {"near": 1000, "far": 1000}}, "lidar.near = 1000: it must be less than lidar.far = 1000 mm, or nothing is seen"),
+        (
+            {"lidar": {"near": 525}, "robot": {"length": 300}, "axles": {"spacings": [50]}},
+            "lidar.near = 525: it must be less than 1.75 robot.length = 525 mm, or nothing is seen",
+        ),
         ({"windows": {"red": 100}}, "windows.red = 100: it must not exceed windows.blue = 45"),
         ({"lidar": {"bauds": 1}}, "unknown key lidar.bauds: lidar has uart, rx, baud,"),
         ({"lidars": {"baud": 1}}, "unknown key lidars: robot.json has mode, robot, axles,"),

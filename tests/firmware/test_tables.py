@@ -118,3 +118,17 @@ def test_the_code_that_makes_the_tables_is_let_go():
     Candidates(Config())
     if sys.implementation.name == "micropython":
         assert not [name for name in _MAKERS if "planner." + name in sys.modules]
+
+
+def test_margins_are_those_of_this_start_whatever_was_made_before():
+    def masks(margin):
+        config = Config({"avoid": {"margin": margin, "soft_margin": 100}})
+        made = CostToGo(config)
+        return bytes(made._masks), made.grid[4]  # how far a mask reaches
+
+    wide = masks(90)
+    narrow = masks(5)
+    assert masks(90) == wide and masks(5) == narrow
+    # The half diagonal of the outline with its margin, in cells of 1/12 body length.
+    for (_, reach), margin in ((wide, 90), (narrow, 5)):
+        assert reach == int(((125 + margin) ** 2 + (300 + margin) ** 2) ** 0.5 / 50 + 0.25), (reach, margin)

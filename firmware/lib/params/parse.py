@@ -206,6 +206,10 @@ def _together(config, once):
         refuse("axles.spacings", list(spacings), "the sum must not exceed robot.length = %d mm" % once["robot_length"])
     if once["axles_track"] > once["robot_width"]:
         refuse("axles.track", once["axles_track"], "it must not exceed robot.width = %d mm" % once["robot_width"])
+    # What is remembered reaches 1.75 body lengths: a lidar that reads nothing nearer than that is a blind one.
+    for most, what in ((once["lidar_far"], "lidar.far"), (once["robot_length"] * 7 // 4, "1.75 robot.length")):
+        if once["lidar_near"] >= most:
+            refuse("lidar.near", once["lidar_near"], "it must be less than %s = %d mm, or nothing is seen" % (what, most))
     _distinct("servos.channels", once["servos_channels"], 1)
     _distinct("motors.channels", once["motors_channels"], 2)
     chips = ("servos.address", "motors.left", "motors.right")

@@ -365,22 +365,24 @@ def drop(state: ptr32, fx: ptr16, fy: ptr16, seen: ptr8, travel: ptr8, index: pt
 
 
 @micropython.viper
-def _view(reach: int, s: int, c: int, state: ptr32, fx: ptr16, fy: ptr16, x: int, y: int, bx: ptr16, by: ptr16) -> int:
-    """Body-frame view of the points within reach: mm + 8192. Returns their number."""
-    count = state[_COUNT]
+def view(reach: int, s: int, c: int, fx: ptr16, fy: ptr16, count: int, x: int, y: int, bx: ptr16, by: ptr16, every: int, shift: int) -> int:
+    """Of the first `count` points each `every` one as seen from a pose (x, y, heading by sine and cosine * 2**14), those within reach: mm + 8192. Returns their number.
+
+    shift: 14 where the points are in mm, 17 where they are in 1/8 mm; either modulo 2**16.
+    """
+    half = 1 << shift >> 1
     n = 0
     k = 0
     while k < count:
         px = (((fx[k] - x) & 0xFFFF) ^ _HALF) - _HALF
         py = (((fy[k] - y) & 0xFFFF) ^ _HALF) - _HALF
-        # 1/8 mm * 2**14 -> mm, rounded
-        qx = (px * c - py * s + 65536) >> 17
-        qy = (px * s + py * c + 65536) >> 17
+        qx = (px * c - py * s + half) >> shift
+        qy = (px * s + py * c + half) >> shift
         if qx <= reach and qy <= reach and qx >= 0 - reach and qy >= 0 - reach:
             bx[n] = qx + _BODY_ZERO
             by[n] = qy + _BODY_ZERO
             n += 1
-        k += 1
+        k += every
     return n
 
 
@@ -490,4 +492,4 @@ class LocalMap:
 
         x, y, heading: the body, 1/8 mm and 0.1 deg.
         """
-        return _view(reach, sin14(heading), cos14(heading), self.state, self.x, self.y, x & 0xFFFF, y & 0xFFFF, bx, by)
+        return view(reach, sin14(heading), cos14(heading), self.x, self.y, self.state[_COUNT], x & 0xFFFF, y & 0xFFFF, bx, by, 1, 17)

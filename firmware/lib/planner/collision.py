@@ -29,10 +29,6 @@ _MARGIN = const(11)
 _SOFT = const(12)  # behind the margin
 _LOOK_AHEAD = const(13)
 _ARCS = const(14)
-_BAND = const(15)  # how far beyond the margin the near points are looked at one by one, 1/8 mm
-
-_INNER = const(16)  # square mm, what _rings() finds: two each
-_OUTER = const(18)
 
 # Fields of an arc's constants, 16-bit words: candidate_tables.py
 _ARC_STRIDE = const(8)
@@ -47,6 +43,7 @@ _SECOND_BINS = const(7)
 _BINS = const(16)
 _FARTHEST = const(60000)  # turn, of 65536
 _NONE = const(65535)
+_NEVER = const(15000)  # a half angle of more than 61 degrees, of which the tangent times 2**13 is this
 
 
 @micropython.viper
@@ -82,111 +79,119 @@ def mirror(p: ptr16, n: int):
 
 
 @micropython.viper
-def move(reach: int, s: int, c: int, px: ptr16, py: ptr16, n: int, x: int, y: int, qx: ptr16, qy: ptr16, every: int) -> int:
-    """The points as seen from a pose (x, y mm, heading by sine and cosine * 2**14), those within reach mm; of each `every` one."""
-    m = 0
-    i = 0
-    while i < n:
-        dx = px[i] - 8192 - x
-        dy = py[i] - 8192 - y
-        u = (dx * c - dy * s + 8192) >> 14
-        v = (dx * s + dy * c + 8192) >> 14
-        if u < reach and v < reach and u > 0 - reach and v > 0 - reach:
-            qx[m] = u + 8192
-            qy[m] = v + 8192
-            m += 1
-        i += every
-    return m
-
-
-@micropython.viper
 def _stop_at_outline(px: ptr16, py: ptr16, job: ptr32, a: int, b: int, ref: int) -> int:
-    """How far a candidate may be driven for the points near the outline, which the tables are too coarse for: job[_LENGTH], job[_SOFT_LENGTH].
+    """How far a candidate may be driven for the points near the outline, for which the tables are too coarse: job[_LENGTH], job[_SOFT_LENGTH].
 
-    The side of the outline that is nearest to a point comes towards it at a rate: for an arc the point's distance from the centre (a, b), for a strip its
-    direction's part (a, b); `ref` mm of travel bring it nearer by that. Returns the index of the point that stops it, 65535 if none does.
+    (a, b): of an arc the centre, of a strip its direction; ref: travel for a radian, of a strip the length of (a, b). Returns the index of the point that stops it,
+    65535 if none does. A point may come up to the margin; one that is nearer than that, 2 mm nearer, and one nearer than half of it hardly at all.
+
+    The side that a point faces comes nearer to it, in a turn w about the centre, by rate sin w + bend (1 - cos w). With t = tan(w / 2), here * 2**13, it has come
+    nearer by d when (2 bend - d) t^2 + 2 rate t = d; of the two roots this is the first at which it comes nearer, for d < 0 the one at which it comes back. The point is
+    met when it is within both sides that it faces. The one that it is farther from comes first; then the other, if it is not, or will not be then, within that.
     """
-    near = job[_NEAR]
-    arc = job[_ARC]
-    margin = job[_MARGIN]
-    soft_margin = job[_SOFT]
-    length = job[_LENGTH]
-    soft_length = job[_SOFT_LENGTH]
+    job[_LENGTH] = job[_SOFT_LENGTH] = job[_LOOK_AHEAD]
     block = _NONE
     i = 0
-    while i < near:
-        ax = px[i] - 8192
-        ay = py[i] - 8192
+    while i < job[_NEAR]:
+        x = px[i] - 8192
+        y = py[i] - 8192
+        bend = 0
+        bend_y = 0
         rate = a
         rate_y = b
-        if arc:
-            rate = ay + 8192 - b
-            rate_y = a - ax - 8192
-        if ax < 0:
-            ax = 0 - ax
+        if job[_ARC]:
+            bend = px[i] - a
+            bend_y = py[i] - b
+            rate = bend_y
+            rate_y = 0 - bend
+        if x < 0:
+            x = 0 - x
             rate = 0 - rate
-        if ay < 0:
-            ay = 0 - ay
+            bend = 0 - bend
+        if y < 0:
+            y = 0 - y
             rate_y = 0 - rate_y
-        gap = ax - job[_HALF_WIDTH]
-        gap_y = ay - job[_HALF_LENGTH]
-        # Off a corner on both sides the point is passed, or the table meets it.
-        aside = 0
-        if gap >= margin and gap_y >= margin:
-            aside = arc
-            if gap >= soft_margin and gap_y >= soft_margin:
-                rate = 0
-                rate_y = 0
-        if gap_y > gap:
-            gap = gap_y
+            bend_y = 0 - bend_y
+        deep = job[_HALF_LENGTH]
+        x = (x - job[_HALF_WIDTH]) << 3  # 1/8 mm
+        y = (y - deep) << 3
+        if y > x:
+            deep = job[_HALF_WIDTH]
+            h = x
+            x = y
+            y = h
+            h = rate
             rate = rate_y
-        if rate > 0:
-            # 1/8 mm: what is nearer than the margin may come 2 mm nearer, what is nearer than half of it hardly at all
-            allowed = (gap - margin) << 3
-            if allowed < 16:
-                allowed = 16
-                if gap + gap < margin:
-                    allowed = 3
-                    if gap < 3:
-                        allowed = 1
-            if aside == 0 and allowed < job[_BAND]:
-                allowed = allowed * ref
-                if allowed < (length * rate) << 3 * arc:
-                    length = (allowed // rate) >> 3 * arc
-                    block = i
-            allowed = gap - soft_margin
-            if allowed < 2:
-                allowed = 2
-            allowed = allowed * ref
-            if allowed < soft_length * rate:
-                soft_length = allowed // rate
+            rate_y = h
+            h = bend
+            bend = bend_y
+            bend_y = h
+        k = 0
+        while k < 2:
+            margin = job[_MARGIN + k] << 3
+            d = x - margin
+            if d < 16:
+                d = 16
+                if x + x < margin:
+                    d = 1
+            # What the length allows is not enough to come so near: rate w + bend w^2 / 2 at most.
+            length = job[_LENGTH + k]
+            most = (length << 12) // ref + 1
+            e = bend
+            if bend < 0:
+                e = 0
+            t = 0
+            if (rate + (e * most >> 13)) * most >> 9 < d:
+                t = _NEVER
+            h = rate
+            e = bend
+            other = 0
+            while t < _NEVER:
+                root = ((e << 4) - d) * d >> 6
+                n = h
+                if h < 0:
+                    n = 0 - h
+                n += 32  # the root is less
+                if root > 0:
+                    n += root >> 7
+                root += h * h + 1
+                if root <= 0 or (h < 0 and e << 4 <= d):
+                    t = _NEVER
+                    break
+                r = n + 1
+                while n < r:
+                    r = n
+                    n = (r + root // r) >> 1
+                if h < 0:
+                    r = ((r - h) << 13) // ((e << 4) - d) << 3
+                else:
+                    r = (d << 10) // (h + r)
+                if r > t:
+                    t = r
+                if other:
+                    break
+                other = 1
+                d += y - x
+                h = rate_y
+                e = bend_y
+                if d <= 0:
+                    r = ((h + (e * t >> 13)) * t << 1) // (1024 + (t * t >> 16))
+                    if r >= d:
+                        if r > d + (deep << 4) + margin + margin:
+                            t = _NEVER  # past, on the other side
+                        break
+                    if d < -2000:
+                        d = -2000
+            # The travel: 2 arc tangents, a little less.
+            if t < _NEVER:
+                t = ((t * ref >> 12) << 10) // (1024 + ((t * t >> 13) * 307 >> 13))
+                if t < length:
+                    job[_LENGTH + k] = t
+                    if k == 0:
+                        block = i
+            k += 1
         i += 1
-    job[_LENGTH] = length
-    job[_SOFT_LENGTH] = soft_length
     return block
-
-
-@micropython.viper
-def _rings(job: ptr32, x: int, y: int):
-    """Squares of the radii between which the outline passes when the body turns about x > 0, y (mm): job[_INNER], job[_OUTER], of two each.
-
-    The first of the two with the margin round the outline, the second with the soft margin.
-    """
-    if y < 0:
-        y = 0 - y
-    i = 0
-    while i < 2:
-        across = job[_MARGIN + i] + job[_HALF_WIDTH]
-        along = job[_MARGIN + i] + job[_HALF_LENGTH]
-        job[_OUTER + i] = (x + across) * (x + across) + (y + along) * (y + along) + 1
-        across = x - across
-        if across < 0:
-            across = 0
-        along = y - along
-        if along < 0:
-            along = 0
-        job[_INNER + i] = across * across + along * along
-        i += 1
 
 
 @micropython.viper
@@ -222,11 +227,27 @@ def _sweep_arcs(consts: ptr16, jobs, points_x, points_y, table: ptr16, seconds: 
         slope_shift = second_bins >> 10
         second_bin = second_bins >> 5 & 31
         second_bins = second_bins & 31
-        _rings(jobs, xc - 8192, yc - 8192)
-        r2_in = job[_INNER]
-        in_soft = job[_INNER + 1]
-        r2_out = job[_OUTER]
-        out_soft = job[_OUTER + 1]
+        # Squares of the radii between which the outline passes, first with the soft margin round it, then with the margin; xc > 0.
+        r2_in = r2_out = 0
+        i = 2
+        while i > 0:
+            i -= 1
+            in_soft = r2_in
+            out_soft = r2_out
+            ax = xc - 8192
+            ay = yc - 8192
+            if ay < 0:
+                ay = 0 - ay
+            x = job[_MARGIN + i] + job[_HALF_WIDTH]
+            y = job[_MARGIN + i] + job[_HALF_LENGTH]
+            r2_out = (ax + x) * (ax + x) + (ay + y) * (ay + y) + 1
+            ax -= x
+            if ax < 0:
+                ax = 0
+            ay -= y
+            if ay < 0:
+                ay = 0
+            r2_in = ax * ax + ay * ay
         # Bins are even in the square of the distance: (d2 - r2_in >> shift) * scale >> 12 = bin in 1/256, with both factors below 2**15.
         shift = 0
         while r2_out - r2_in >> shift >= 32768:
@@ -236,8 +257,6 @@ def _sweep_arcs(consts: ptr16, jobs, points_x, points_y, table: ptr16, seconds: 
         soft_length = length
         block = _NONE
         if near:
-            job[_LENGTH] = length
-            job[_SOFT_LENGTH] = length
             block = int(_stop_at_outline(points_x, points_y, jobs, xc, yc, int(consts[base + _REF])))
             length = job[_LENGTH]
             soft_length = job[_SOFT_LENGTH]
@@ -260,25 +279,22 @@ def _sweep_arcs(consts: ptr16, jobs, points_x, points_y, table: ptr16, seconds: 
                 x = py[last_block]
                 py[last_block] = py[i]
                 py[i] = x
-            while i >= 0:
+            while i >= near:
                 # Ray from the centre along the body's front after `limit`, sine and cosine * 2**10; none where half a turn is too little.
                 ray_s = 0
                 ray_c = 0
                 phi = front - limit
                 if phi > 16384:
-                    phi = ((phi * 225) >> 12) - 900  # 0.1 deg
-                    ax = 0
-                    if phi > 900:
-                        phi = 1800 - phi
-                        ax = 1
-                    ray_c = sine[phi >> 2]
-                    ray_c = 0 - ((ray_c + ((sine[(phi >> 2) + 1] - ray_c) * (phi & 3) >> 2)) >> 6)
-                    phi = 900 - phi
-                    ray_s = sine[phi >> 2]
-                    ray_s = (ray_s + ((sine[(phi >> 2) + 1] - ray_s) * (phi & 3) >> 2)) >> 6
-                    if ax:
+                    phi = ((phi * 225) >> 14) - 225  # 0.4 deg, as the table's steps: rounded down, which leaves in a point too many
+                    ax = 225 - phi
+                    if phi > 225:
+                        phi = 450 - phi
+                        ax = 0 - ax
+                    ray_c = 0 - (sine[phi] >> 6)
+                    ray_s = sine[225 - phi] >> 6
+                    if ax < 0:
                         ray_s = 0 - ray_s
-                while i >= 0:
+                while i >= near:
                     dx = px[i] - xc
                     dy = py[i] - yc
                     d2 = dx * dx + dy * dy
@@ -332,7 +348,7 @@ def _sweep_arcs(consts: ptr16, jobs, points_x, points_y, table: ptr16, seconds: 
                             limit = h
                             block = i
                             if limit < bottom:
-                                i = 0
+                                i = near
                             break
                     i -= 1
                 i -= 1
@@ -365,14 +381,12 @@ def _sweep_strips(strips: ptr32, jobs, points_x, points_y, free: ptr16, soft: pt
         soft_length = length
         block = _NONE
         if job[_NEAR]:
-            job[_LENGTH] = length
-            job[_SOFT_LENGTH] = length
-            block = int(_stop_at_outline(points_x, points_y, jobs, s, c, 16384))
+            block = int(_stop_at_outline(points_x, points_y, jobs, s >> 1, c >> 1, 8192))
             length = job[_LENGTH]
             soft_length = job[_SOFT_LENGTH]
         length = length << 4
         soft_length = soft_length << 4
-        i = 0
+        i = job[_NEAR]
         while i < n:
             x = px[i] - 8192
             y = py[i] - 8192

@@ -35,7 +35,7 @@ class FreeWays:
     def check(self, mirroring, first, last, floor):
         """Candidates first..last-1 in a mirroring; those shorter than floor mm are given up early."""
         self.mirror(mirroring)
-        n = self.drop_behind() if last - first > 2 else self.n
+        n = self.drop_behind() if last - first > 1 else self.n  # checking several changes the order of the points anyhow
         self.collision.prepare(n, self.near, 1, floor)
         self.collision.check(self.x, self.y, first, last, self.free_of[mirroring], self.soft, self.block)
         self.mirror(mirroring)

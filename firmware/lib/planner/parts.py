@@ -5,7 +5,6 @@ from array import array
 from micropython import const
 
 from core.unload import forget
-from perception.windows import BAND_MM
 
 _ARC_STRIDE = const(8)  # candidates.py
 _SHAPES = const(7)  # cost_grid.py
@@ -81,6 +80,6 @@ def move_cost(self, cost_to_go, candidates):
 def collision(self, candidates):
     """Fields of a CollisionCheck."""
     self._candidates = candidates
-    # The places from _HALF_WIDTH on, as collision.py lists them; what comes before, and behind, is put in for each check.
-    body = candidates.half_width, candidates.half_length, candidates.margin, candidates.soft, candidates.look_ahead, candidates.arcs, BAND_MM << 3
-    self._job = array("i", (0,) * 9 + body + (0,) * 4)
+    # The places from _HALF_WIDTH on, as collision.py lists them; what comes before is put in for each check.
+    body = candidates.half_width, candidates.half_length, candidates.margin, candidates.soft, candidates.look_ahead, candidates.arcs
+    self._job = array("i", (0,) * 9 + body)

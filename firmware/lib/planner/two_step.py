@@ -6,13 +6,15 @@ Whether a long body gets round a corner depends on where its turn begins, to the
 from micropython import const
 
 from core.trig import cos14, sin14
+from perception.local_map import view
 from planner.candidates import LENGTHS
-from planner.collision import drop_behind, mirror, move
+from planner.collision import drop_behind, mirror
 from planner.move_cost import NOTHING, best, in_a_slice, suppress
 
 _COARSE = const(6)  # first moves
 MOST = const(12)  # with more lengths of the best one
 _SLACK = const(60)  # mm by which a second move may end better than the cost to go at its beginning says
+_BODY_ZERO = const(8192)  # added to coordinates of the body frame
 _TO_A_SIDE = const(60)  # mm that a second move costs for being one
 
 
@@ -100,7 +102,8 @@ class TwoStep:
         if fine or not self._left:
             env.travel(self.mirroring[at], self.candidate[at], self.length[at])
             turn = env.end_turn
-            self.n = move(env.lengths[3] + env.half_length, sin14(turn), cos14(turn), ways.x, ways.y, ways.n, env.end_x, env.end_y, x, y, 2)
+            reach = env.lengths[3] + env.half_length
+            self.n = view(reach, sin14(turn), cos14(turn), ways.x, ways.y, ways.n, env.end_x + _BODY_ZERO, env.end_y + _BODY_ZERO, x, y, 2, 14)
             self.near = ways.windows.sort_near(x, y, self.n)
             cost = self.move_cost.stand_at(env.end_x, env.end_y, turn)
             if not fine:
