@@ -95,4 +95,4 @@ monitor: $(READY)  ## see and drive the robot, or the twin, in the browser (ADDR
 	@$(RUN) -m host.monitor $(if $(ADDRESS),"$(ADDRESS)")
 
 screenshots: $(READY)  ## take the pictures in docs/ again (needs chromium and chromium-driver)
-	@SCREENSHOTS=$(CURDIR)/docs $(RUN) -m pytest tests/host/test_monitor_page.py
+	@SCREENSHOTS=$(CURDIR)/docs $(RUN) -m pytest tests/host/test_monitor_page.py tests/host/test_page_looks.py tests/host/test_page_parts.py tests/host/test_page_replay.py

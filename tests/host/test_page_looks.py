@@ -12,6 +12,7 @@ TABS = ("wheels", "health", "tune", "record", "twin", "gamepad")
 def page(browser):
     page = Monitor(browser, "twin:random?gap=700")
     page.size(1440, 900)
+    page.theme("dark")
     assert page.until(lambda: page.speeds() and max(page.speeds()) > 50)
     yield page
     browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
@@ -90,6 +91,7 @@ def test_on_a_phone_the_stick_lies_over_the_map_and_stop_under_the_thumb(page):
         assert stick["bottom"] <= stop["top"] or stick["right"] <= stop["left"]
         hit = "const { x, y, width, height } = document.getElementById('stick').getBoundingClientRect(); return document.elementFromPoint(x + width / 2, y + height / 2).closest('#stick') !== null"
         assert page.js(hit)
+        page.keep_screenshot(f"monitor-{'phone' if size[0] < size[1] else 'landscape'}.png")
         page.browser.find_element("id", "stop").click()
         assert page.until(lambda: page.text("state") == "stopped")
 

@@ -86,6 +86,7 @@ def test_another_one_is_shown_beside_it(page, recordings):
     assert page.until(lambda: page.text("beside-name") == recordings[1], 5)
     page.frames(2)
     assert page.js(COLOURED, "world", "other") > 30 and page.js(COLOURED, "charts", "other") > 50
+    page.keep_screenshot("monitor-beside.png")
     page.click("beside-none")
     assert page.until(lambda: not page.browser.find_element("id", "beside").is_displayed(), 5)
     page.frames(2)
