@@ -7,12 +7,15 @@ sys.path.append("/lib")
 
 
 def start():
-    """The Robot, or None where a person has asked for the prompt. What only the start needs goes with this function's frame."""
+    """The Robot, or None where a person has asked for the prompt, if only by holding the stop button. What only the start needs goes with this
+    function's frame."""
     from safety import first
 
-    first.stop()  # whatever a former life left turning
+    held = first.stop()  # whatever a former life left turning
     note = first.load()
-    if note == first.PROMPT:
+    if held:
+        print("gapseeker: its stop button is held: the prompt; let go and reset the board to start the robot")
+    if held or note == first.PROMPT:
         return None
     from core.start import build
 

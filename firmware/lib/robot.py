@@ -27,7 +27,7 @@ class Robot:
     """The parts, joined; buses and pins were handed to them by core/start.py.
 
     avoid: Avoid; lidar: Lidar; drive: Drive; safety: Safety; health: Health; link: Link or None; screen: Screen or None; goal: Goal, where there is a map, or None.
-    note, keep, feed: see safety/watchdog.py; until that has begun both do nothing.
+    note, keep, feed: see safety/watchdog.py; until that has begun both do nothing. remember: safety.remember.Remember, or None.
     took_us: computing time of the slices of the latest decision.
     """
 
@@ -41,6 +41,7 @@ class Robot:
         self.note = bytearray(b"GS\x00\x00")
         self.keep = len  # takes the bytes as well, and does nothing
         self.feed = bool
+        self.remember = None
         self.link = link
         self.screen = screen
         self.goal = goal
@@ -75,6 +76,8 @@ class Robot:
                 note[_PART] = _SCREEN
                 keep(note)
                 self.screen.update(now, self, self.link)
+            if self.remember is not None and not self.drive.told_v256:
+                self.remember(self.safety.state)
         except Exception as error:
             self._survive(error)
         self.feed()

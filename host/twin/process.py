@@ -76,11 +76,16 @@ class Process:
             self._began = now
         self._child = self._start(now - self._began, cause)
 
-    def reset(self, cause, time=None):
-        """The processor is reset from outside, at the time (us, None = now): the wire.Request of that, to be served and followed by `restart`."""
+    def reset(self, cause, time=None, forget=False):
+        """The processor is reset from outside, at the time (us, None = now): the wire.Request of that, to be served and followed by `restart`.
+
+        forget: power was off, so that the memory of its clock is lost.
+        """
         before = self._request
         time = before.target if time is None else time
-        self._request = wire.Request(wire.RESET, cause, 0, time, time, before.probe, before.overflows, -1, before.kept, [])
+        self._request = wire.Request(
+            wire.RESET, cause, 0, time, time, before.probe, before.overflows, -1, bytes(len(before.kept)) if forget else before.kept, []
+        )
         return self._request
 
     @property

@@ -258,7 +258,7 @@ def _drive(simulation, child, watch, speed, limit_s):
             break
         if cause := simulation.fault.take_reset():
             child.leave(simulation.fault.left_behind)
-            request = child.reset(cause)
+            request = child.reset(cause, forget=simulation.fault.forgets)
             simulation.serve(request)
         if request.kind == wire.RESET:
             child.restart()

@@ -69,7 +69,7 @@ def drive(*plan, autostart=False, limit_s=8, **more):
     [
         ("hang-avoid", 1500), ("hang-link", 1500), ("hang-hard", 1500), ("exception-avoid", 250), ("exception-lidar", 250), ("exception-health", 250),
         ("exception-drive", 250), ("exception-stop", 250), ("memory-error-avoid", 250), ("slow", 1000), ("slow-150", 500), ("brown-out", 250),
-        ("reset", 250), ("button-bounce", 100), ("button-short", 100), ("button-held", 100), ("button-reset", 100), ("button-wire", 100), ("i2c-dead", 250),
+        ("reset", 250), ("button-bounce", 100), ("button-short", 100), ("button-held", 100), ("button-reset", 100), ("button-power", 100), ("button-wire", 100), ("i2c-dead", 250),
         ("chip-gone", 250), ("chip-resets", 3300), ("oe-open", 1000), ("oe-open-json", 1000),
     ],
 )  # fmt: skip
@@ -139,6 +139,20 @@ def test_after_power_up_it_waits_for_a_long_press():
 def test_a_short_press_or_a_button_held_from_the_start_on_starts_nothing():
     assert not drive(*press(3, 3.5)).on
     assert not drive(*press(0, 2)).on
+
+
+def test_a_stop_button_held_at_the_start_gives_the_prompt():
+    bench = Bench(*press(0, 2))
+    result = run(**COURSE, watch=bench, changes={"drive.autostart": True}, limit_s=4)
+    assert "came to its end" in result.reason and not bench.on and not bench.resets and b"the prompt" in bench.said
+
+
+def test_what_was_stopped_drives_again_after_a_start_also_without_power_in_between():
+    """With autostart: stopped, power off and on, it waits and says why; started, power off and on, it drives off."""
+    start = whole_frames.frame(protocol.DRIVE, messages.drive(1, "auto"))
+    bench = drive((9, start), autostart=True, fault="button-power@3", limit_s=12)
+    assert bench.drove(2, 3) and not bench.drove(3.1, 9) and bench.drove(9, 12)
+    assert any("told to stop before" in line for line in bench.logs())
 
 
 def test_autostart_drives_off_but_not_after_a_reset():

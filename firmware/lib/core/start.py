@@ -250,6 +250,11 @@ def _safety(config, lidar, drive, button, adc, note):
         remarks.append("the watchdog has reset the board; at work was: " + PARTS[part if part < len(PARTS) else 0])
     elif note is not None or cause != _POWER_ON:
         remarks.append("restarted without a wish to: its power may have dipped" if cause == _POWER_ON else "restarted")
+    elif once["drive_autostart"]:
+        from safety.remember import stopped
+
+        if stopped():
+            remarks.append("told to stop before its power went: it waits for a start")
     stands = remarks or not once["drive_autostart"]
     if button is not None:
         button = StopButton(button, once["pins_stop_closed"])
@@ -283,4 +288,8 @@ def _robot(config, avoid, lidar, drive, safety, health, link, screen_line, goal)
         screen = Screen(screen_line, config.screen_kind, config.screen_baud)
         unload("link.reason_texts", "link.screen_dialects")
     robot = Robot(config, avoid, lidar, drive, safety, health, link, screen, goal)
+    if config.once["drive_autostart"]:
+        from safety.remember import Remember
+
+        robot.remember = Remember()
     return robot

@@ -52,7 +52,7 @@ def scan_trust(self, config):
         (config.lidar_returns, size, -turn if config.lidar_mirrored else turn, config.lidar_x, config.lidar_y)
         + (max(half - config.lidar_y, 0), max(half + config.lidar_y, 0), config.lidar_frames)
         + (0, 0, 0, 0, 0, 0, size)
-        + (0,) * 9,
+        + (0,) * 16,
     )
 
 

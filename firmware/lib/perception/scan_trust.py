@@ -25,8 +25,10 @@ have changed is told by the odometry (range flow):
 Bins are weighed by the square of what is expected: beside a parallel wall nothing is, and nothing is said. Those agree that changed as expected,
 a quarter more or less. People who walk about spoil some bins; a robot that does not move as told spoils nearly all. The ratio, of the sum of
 observed * expected to the weight, is 1 where the robot moves as told, 1/2 at half the speed, 0 where nothing moves, and negative where it goes
-the wrong way. It is a fault when less than half the weight agrees and the ratio is low over a second or so; its kind is what the last revolution
-shows. The first time the robot stands for a moment, and then the way it was going is taken for blocked for some seconds, so that the planner backs
+the wrong way. It is a fault when less than half the weight agrees and the ratio is low over a second or so, or less than two fifths agree; not at
+one revolution, though. Its kind is what the last revolution shows. A second ratio, of the sum of (observed - expected) * slope to that of slope**2,
+is by how much the body turned otherwise than it should have; it soon shows wheels that stay as they are when they are told to turn.
+The first time the robot stands for a moment, and then the way it was going is taken for blocked for some seconds, so that the planner backs
 out. The next time soon after, `alarm` says that it is of no use.
 """
 
@@ -49,6 +51,10 @@ _NEAR_BORDER = const(400)  # mm before the border the robot gets slow
 _BINS = const(4)  # of a place
 _JUMP = const(200)  # mm: more is another surface
 _INFORMED = const(4000)  # mm**2, weight from which on something can be told
+_STEEP = const(400)  # mm from bin to bin: on steeper surfaces ranges say little
+_ODD = const(60)  # mm: more is somebody who walks about, and counts no more than that
+_SLOPING = const(20_000)  # 2**-4 mm**2 of slopes, from which on something can be told of its turning
+_ASTRAY = const(72)  # 2**-8 bin in a second: so far it may turn otherwise, and a sixth of what it should have turned
 _STAND = const(60)  # frames
 _BACK = const(360)  # frames since a fault for which the way is taken for blocked
 _FORGET = const(2000)  # and after which it may try again
@@ -85,10 +91,14 @@ _NOW = const(14)  # where this revolution's bins begin
 _WEIGHT = const(15)  # of the last seconds
 _AGREED = const(16)
 _RATIO = const(17)  # sum of observed * expected
-_NEW = const(3)  # the same three of this revolution are so many places on
-_SINCE = const(21)  # frames since a fault of motion, up to _FORGET
-_BLOCKED = const(22)  # the way taken for blocked: 1 ahead, 2 behind, 0 neither
-_LONE = const(23)  # 0, or how much of a revolution is left until a frame may be missing again, counted like the rows
+_SLOPES = const(18)  # sum of slope**2, and of what was not expected * slope: their ratio is by how much it turned otherwise, in bins
+_SHIFT = const(19)
+_TURNED = const(20)  # what it should have turned, in 2**-8 of a bin, summed over the frames
+_NEW = const(6)  # the same six of this revolution are so many places on
+_SINCE = const(27)  # frames since a fault of motion, up to _FORGET
+_BLOCKED = const(28)  # the way taken for blocked: 1 ahead, 2 behind, 0 neither
+_LONE = const(29)  # 0, or how much of a revolution is left until a frame may be missing again, counted like the rows
+_DOUBTS = const(30)  # revolutions in a row that spoke against the motion
 
 
 @micropython.viper
@@ -222,18 +232,32 @@ class ScanTrust:
         """A revolution is over: the weights of those before fade by a quarter."""
         weight = state[_WEIGHT + _NEW]
         ratio = state[_RATIO + _NEW] * 4
+        still = state[_AGREED + _NEW] * 2 < weight
         k = _WEIGHT
-        while k <= _RATIO:
+        while k <= _TURNED:
             state[k] += state[k + _NEW] - (state[k] >> 2)
             state[k + _NEW] = 0
             k += 1
         state[_NOW] = 2 * state[_SIZE] + abs(state[_TURN]) - state[_NOW]
         whole = state[_WEIGHT]
-        if v256 and not self.fault and whole > _INFORMED and state[_AGREED] * 2 < whole and state[_RATIO] * 10 < whole * 7:
-            self.fault = _WRONG_WAY if ratio < -weight else _NOTHING if ratio < weight else _HALF
+        agreed = state[_AGREED]
+        slopes = state[_SLOPES] >> 4
+        if (
+            whole > _INFORMED
+            and still
+            and agreed * 2 < whole
+            and (state[_RATIO] * 10 < whole * 7 or agreed * 5 < whole * 2)
+            or slopes > _SLOPING
+            and abs(state[_SHIFT] * 64 // slopes) > _ASTRAY + abs(state[_TURNED]) * 2 // (3 * abs(state[_TURN]))
+        ):
+            state[_DOUBTS] += 1
+        else:
+            state[_DOUBTS] = 0
+        if v256 and not self.fault and state[_DOUBTS] > 1:
+            self.fault = _WRONG_WAY if ratio < -weight or ratio > 3 * weight else _NOTHING if ratio < weight else _HALF
             self.alarm = state[_SINCE] < _FORGET
             state[_BLOCKED] = 1 if v256 > 0 else 2
-            state[_SINCE] = state[_WEIGHT] = state[_AGREED] = state[_RATIO] = 0
+            state[_SINCE] = state[_WEIGHT] = state[_AGREED] = state[_RATIO] = state[_SLOPES] = state[_SHIFT] = 0
 
     def _compare(self, lidar, odometry, rows, state):
         """The frame's bins with those of a revolution before."""
@@ -257,6 +281,7 @@ class ScanTrust:
         rows[k + _Y] = dy & 0xFFFF
         dy = (heading * s + dx * c) >> 14
         dx = (heading * c - dx * s) >> 14
+        state[_TURNED + _NEW] += turned
         known = state[_GOOD] == 2 * size
         changes = some = 0
         k = lidar.place * _BINS
@@ -282,8 +307,12 @@ class ScanTrust:
                 if -_JUMP < there < _JUMP and -_JUMP < seen < _JUMP:
                     state[_WEIGHT + _NEW] += there * there
                     state[_RATIO + _NEW] += there * seen
-                    if abs(seen - there) <= (abs(there) >> 2) + 4:
+                    was = seen - there
+                    if abs(was) <= (abs(there) >> 2) + 4:
                         state[_AGREED + _NEW] += there * there
+                    if -_STEEP < slope < _STEEP:
+                        state[_SLOPES + _NEW] += slope * slope
+                        state[_SHIFT + _NEW] += slope * min(max(was, -_ODD), _ODD)
             k += 1
             i += 4 * n
         if changes:

@@ -6,6 +6,7 @@ as each text that could be a name would stay in the board's table of names for e
 
 import json
 import os
+import time
 
 import machine
 from micropython import const
@@ -13,14 +14,20 @@ from micropython import const
 PROMPT = const(1)
 
 _LARGEST = const(16384)  # bytes of a robot.json that is worth reading
-_KEYS = const("pins/output_enable i2c/scl i2c/sda motors/left motors/right")
-_USUAL = const((33, 22, 21, 0x41, 0x42))
+_KEYS = const("pins/output_enable i2c/scl i2c/sda motors/left motors/right pins/stop_button pins/stop_closed")
+_USUAL = const((33, 22, 21, 0x41, 0x42, 32, 0))
 _ALL_OFF = const(b"\xfd\x10")  # of a PCA9685: every output off
+_WDT_RESET = const(3)  # of machine.reset_cause()
+_SETTLE_MS = const(5)  # for the pull-up
 _TRIES = const(3)  # a transfer that the reset has cut off spoils the first
 
 
 def stop(path="robot.json"):
-    """Motors off: by the output enable pin, and each chip by itself, where that pin is not wired. Raises nothing."""
+    """Motors off: by the output enable pin, and each chip by itself, where that pin is not wired. Raises nothing.
+
+    True while the stop button is held, unless the watchdog has reset the board: who wants the prompt. One that opens when pressed does not say so, for
+    its broken wire could.
+    """
     values = {}
     try:
         if os.stat(path)[6] <= _LARGEST:
@@ -36,7 +43,7 @@ def stop(path="robot.json"):
             wiring.append(int(value, 0) if isinstance(value, str) else None if value is None else int(value))
         except Exception:
             wiring.append(usual)
-    enable, scl, sda, left, right = wiring
+    enable, scl, sda, left, right, button, closed = wiring
     try:
         if enable is not None:
             machine.Pin(enable, machine.Pin.OUT, value=1)
@@ -47,6 +54,14 @@ def stop(path="robot.json"):
             machine.I2C(0, scl=machine.Pin(scl), sda=machine.Pin(sda), freq=100_000).writeto(address, _ALL_OFF)
         except Exception:
             pass
+    try:
+        if button is not None and not closed and machine.reset_cause() != _WDT_RESET:
+            button = machine.Pin(button, machine.Pin.IN, machine.Pin.PULL_UP)
+            time.sleep_ms(_SETTLE_MS)
+            return not button.value()
+    except Exception:
+        pass
+    return False
 
 
 def load():

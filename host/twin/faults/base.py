@@ -29,7 +29,7 @@ class Fault:
     """A part that fails. The base class is the run in which nothing does.
 
     changes: {"section.key": value} put over robot.json. files: {name: bytes} on the board beside it. clock_us: what the board's clock shows at the
-    start. at_start: the fault is there from the beginning. left_behind: {name: bytes} on the board when the fault resets it.
+    start. at_start: the fault is there from the beginning. left_behind: {name: bytes} on the board when the fault resets it. forgets: its reset is a loss of power.
     began: us, None before. watched_s: after it the run is over. rest_s: motors off for so long count as still; a pause to swing the wheels is mostly
     shorter. levels: bits of input pins that the fault sets. wake: us; when it wants to be asked next, if that is sooner than anything else happens.
     """
@@ -37,6 +37,7 @@ class Fault:
     changes: dict = {}
     files: dict = {}
     left_behind: dict = {}
+    forgets = False
     clock_us = 0
     at_start = False
     watched_s = WATCHED_S

@@ -2,7 +2,7 @@
 
 from .base import NEVER, Fault, named
 
-_HARD_RESET = 2  # as machine.reset_cause() tells it
+_POWER_ON, _HARD_RESET = 1, 2  # as machine.reset_cause() tells it
 
 
 @named("button-held", "the stop button is pressed and held", within_ms=100, again_s=0, script=((0, True),))
@@ -45,15 +45,20 @@ class Wire(Fault):
 
 
 @named("button-reset", "the stop button is pressed for 0.3 s; two seconds later somebody presses the board's reset button", within_ms=100, again_s=0)
+@named("button-power", "the stop button is pressed for 0.3 s; two seconds later the power is switched off and on", 100, 0, cause=_POWER_ON)
 class PressedAndReset(Fault):
     _done = False
+
+    def __init__(self, cause=_HARD_RESET):
+        self._cause = cause
+        self.forgets = cause == _POWER_ON
 
     def go_on(self, simulation):
         after = simulation.now - self._start
         simulation.electronics.stop_pressed = after < 0.3e6
         if after > 2e6 and not self._done:
             self._done = True
-            self.reset(_HARD_RESET)
+            self.reset(self._cause)
 
     def begin(self, simulation):
         self._start = simulation.now
