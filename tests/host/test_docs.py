@@ -60,3 +60,9 @@ def _defines(path, symbol):
         else:
             return False
     return True
+
+
+@pytest.mark.parametrize("page", PAGES, ids=_name)
+def test_what_is_to_be_typed_works_where_no_python_is_called_python(page):
+    """Debian and Ubuntu have python3 only; the project's own is in .venv."""
+    assert [line for line in page.read_text().splitlines() if line.startswith("    python ")] == []
