@@ -67,8 +67,9 @@ soak: $(READY)  ## drive random courses, rooms and faults for hours, and say wha
 drawings: $(READY)  ## make the drawings of docs/planner.md anew, from a run of the firmware
 	@$(RUN) -m host.drawings
 
-animation: $(READY)  ## make the moving picture of the README anew, from a run of the twin
+animation: $(READY)  ## make the moving picture of the README anew, and that of the screen, from runs of the twin
 	@$(RUN) -m host.drawings.animation
+	@$(RUN) -m host.drawings.panel
 
 reference: $(READY)  ## write the pages of docs/ anew that are made from the firmware and from robot.json
 	@$(RUN) -m host.reference

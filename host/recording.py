@@ -27,6 +27,7 @@ The streams that follow, in order of time:
     8 inputs      what the robot's inputs showed from then on, see `Inputs`
     9 uart        bytes the robot sent on another UART (its screen): GPIO u8, then the bytes
     10 read       one I2C read: address u8, then the bytes the chip answered; the time is that of its end
+    11 screen     bytes from the screen; the time is that at which the first of them has arrived
     255 end       the recording was closed properly; nothing follows
 
 Each record is one write, handed to the operating system before `write` returns: a process that dies loses nothing. A file cut
@@ -71,6 +72,7 @@ class Stream(IntEnum):
     INPUTS = 8
     UART = 9
     READ = 10
+    SCREEN = 11
     END = 255
 
 

@@ -9,6 +9,8 @@ from host.twin import image
 
 from . import chip_memory, peak, rooms, targets, trace
 
+SCREEN = "link.screen"  # modules that are loaded with a screen only
+
 
 def live(config: dict, firmware: Path = image.FIRMWARE) -> dict[str, int | None]:
     """Bytes of the heap in the steady loop for each of trace.OPTIONS; None where it does not start."""
@@ -26,7 +28,8 @@ def measure(config: dict, firmware: Path = image.FIRMWARE) -> dict:
     return {
         "live_bytes": lives,
         "peak_bytes": peak.highest(config, firmware) if lives["usb"] else None,
-        "native_bytes": sum(map(sum, pieces.values())),
+        "native_bytes": sum(sum(sizes) for module, sizes in pieces.items() if not module.startswith(SCREEN)),
+        "native_screen_bytes": sum(sum(sizes) for module, sizes in pieces.items() if module.startswith(SCREEN)),
         **_times(firmware),
         "word_bytes": micropython.find().word_bytes,
     }

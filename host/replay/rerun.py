@@ -36,8 +36,8 @@ def rerun(tape: Tape, robot: str, engine: str = process.ENGINES[0], firmware=ima
 
     robot: text of robot.json. engine: see `process.ENGINES`. chip, files: see `process.Process`; as it was then, or nothing agrees.
     """
-    lidar = Vehicle.from_settings(json.loads(robot)).lidar
-    board = _Board(tape, (lidar.rx, lidar.baud))
+    vehicle = Vehicle.from_settings(json.loads(robot))
+    board = _Board(tape, vehicle)
     child = process.Process(engine, robot, lambda data: None, firmware, chip=chip, files=files)
     try:
         while (answer := board.serve(request := child.receive(), child.send_serial)) is not None:
@@ -55,10 +55,11 @@ def rerun(tape: Tape, robot: str, engine: str = process.ENGINES[0], firmware=ima
 class _Board:
     """The electronics round the processor, as far as the firmware can tell: chips that hold what was written, and the tape."""
 
-    def __init__(self, tape: Tape, wire: tuple[int, int]):
+    def __init__(self, tape: Tape, vehicle: Vehicle):
         self.log = Log()
         self._tape = tape
-        self._wire = wire  # GPIO and baud rate of the lidar's line
+        self._wire = vehicle.lidar.rx, vehicle.lidar.baud
+        self._screen = vehicle.screen
         self._end = tape.then.end_us
         self._chips: dict[int, Pca9685] = {}
 
@@ -78,6 +79,10 @@ class _Board:
         if request.kind != wire.ADVANCE:
             return 0, *shown
         pieces = [(time, data, *self._wire) for time, data in self._tape.take_lidar(request.target, wire.CHUNKS, ROOM)]
+        if self._screen is not None and self._screen.rx is not None:
+            room = ROOM - sum(len(piece[1]) for piece in pieces)
+            said = self._tape.take_screen(request.target, wire.CHUNKS - len(pieces), room)
+            pieces += [(time, data, self._screen.rx, self._screen.baud) for time, data in said]
         horizon = self._tape.next_us(request.target)
         return self._end + 1 if horizon is None else horizon, *shown, pieces
 

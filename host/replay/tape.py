@@ -33,6 +33,7 @@ class Tape:
             )
         self.then = Log()
         self._lidar: deque = deque()
+        self._screen: deque = deque()
         self._commands: deque = deque()
         self._inputs: deque = deque()
         self._reads: dict = {}
@@ -46,6 +47,8 @@ class Tape:
                 self._halts.append(time)
             if stream == Stream.LIDAR:
                 self._lidar.append((time, data))
+            elif stream == Stream.SCREEN:
+                self._screen.append((time, data))
             elif stream == Stream.COMMAND:
                 self._commands.append((time, data))
             elif stream == Stream.INPUTS:
@@ -64,11 +67,11 @@ class Tape:
 
     def take_lidar(self, time: int, most: int, room: int) -> list[tuple[int, bytes]]:
         """Up to `most` pieces of at most `room` bytes together of which a byte has arrived by the time: [(time of it, bytes)]."""
-        out: list[tuple[int, bytes]] = []
-        while self._lidar and self._lidar[0][0] <= time and len(out) < most and len(self._lidar[0][1]) <= room:
-            out.append(self._lidar.popleft())
-            room -= len(out[-1][1])
-        return out
+        return _taken(self._lidar, time, most, room)
+
+    def take_screen(self, time: int, most: int, room: int) -> list[tuple[int, bytes]]:
+        """The same of the screen."""
+        return _taken(self._screen, time, most, room)
 
     def take_commands(self, time: int) -> list[bytes]:
         """What was sent to the robot's link by the time."""
@@ -95,6 +98,13 @@ class Tape:
         while self._halts and self._halts[0] <= time:
             self._halts.popleft()
         ahead = [self._halts[0]] if self._halts else []
-        if self._lidar:
-            ahead.append(self._lidar[0][0])
+        ahead += [line[0][0] for line in (self._lidar, self._screen) if line]
         return min(ahead, default=None)
+
+
+def _taken(line: deque, time: int, most: int, room: int) -> list[tuple[int, bytes]]:
+    out: list[tuple[int, bytes]] = []
+    while line and line[0][0] <= time and len(out) < most and len(line[0][1]) <= room:
+        out.append(line.popleft())
+        room -= len(out[-1][1])
+    return out

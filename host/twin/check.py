@@ -47,17 +47,17 @@ def check(arguments):
         room(Path(arguments["record"]).parent)
 
 
-def picture(path):
+def picture(path, option="--picture", ends=(".png", ".svg", ".pdf")):
     """A file in which the picture of a run can be drawn, checked before the run. ValueError says what is wrong."""
     path = Path(path)
-    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise ValueError(f"--picture {path}: the name must end in .png, .svg or .pdf")
+    if path.suffix.lower() not in ends:
+        raise ValueError(f"{option} {path}: the name must end in {' or '.join(ends)}")
     if path.is_dir():
-        raise ValueError(f"--picture {path}: this is a folder; name a file in it")
+        raise ValueError(f"{option} {path}: this is a folder; name a file in it")
     if not path.absolute().parent.is_dir():
-        raise ValueError(f"--picture {path}: there is no folder {path.parent}; name a file in a folder that exists")
+        raise ValueError(f"{option} {path}: there is no folder {path.parent}; name a file in a folder that exists")
     if not os.access(path if path.exists() else path.absolute().parent, os.W_OK):
-        raise ValueError(f"--picture {path}: it cannot be written there; name a file in a folder you may write to")
+        raise ValueError(f"{option} {path}: it cannot be written there; name a file in a folder you may write to")
 
 
 def room(folder, megabytes=ENOUGH_MB):

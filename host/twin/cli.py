@@ -12,7 +12,8 @@ from . import check, courses, faults, worlds
 from .console import Progress, summary_line
 from .image import FIRMWARE, ToolMissing
 from .process import ENGINES
-from .run import MODES, run
+from .run import MODES, load_config, run
+from .screen import KINDS
 from .simulation import PASS
 
 PASSED, FAILED, MISUSED = 0, 1, 2
@@ -53,6 +54,10 @@ def main(arguments=None):
         check.check({name: getattr(options, name) for name in CHECKED})
         if options.picture:
             check.picture(options.picture)
+        changes = dict(options.changes or {})
+        if options.screen:
+            check.picture(options.screen, "--screen", (".png",))
+            changes |= _screen(options)
         result = run(
             options.course,
             options.width,
@@ -70,7 +75,7 @@ def main(arguments=None):
             firmware=options.firmware or FIRMWARE,
             record=options.record,
             chip=options.chip,
-            changes=options.changes,
+            changes=changes,
             fault=options.fault,
             length=options.length,
             side=options.side,
@@ -108,6 +113,14 @@ def _tell(result, options):
         else:
             if not options.json:
                 _say(f"picture: {options.picture}")
+    if options.screen:
+        try:
+            result.glass.picture().save(options.screen)
+        except OSError as error:
+            print(f"python -m host.twin: {options.screen} cannot be written: {error.strerror}", file=sys.stderr)
+        else:
+            if not options.json:
+                _say(f"screen: {options.screen}")
     if result.lost:
         print(f"python -m host.twin: {result.lost}", file=sys.stderr)
     if result.recording:
@@ -117,6 +130,14 @@ def _tell(result, options):
 def again(recording):
     """The command that replays a recording, for the Python that runs this."""
     return f"{python()} -m host.replay {recording}"
+
+
+def _screen(options):
+    """The changes to robot.json for a robot that has no screen yet."""
+    kind = options.screen_kind
+    if kind is None and load_config(options.config).get("screen", {}).get("kind", "none") == "none":
+        kind = KINDS[0]
+    return {"screen.kind": kind} if kind else {}
 
 
 def _parser():
@@ -154,6 +175,8 @@ def _parser():
     recording("--record", metavar="FILE", help="record the run (without it, a run that ends badly leaves a recording in out/ended-badly)")
     recording("--no-record", dest="record", action="store_const", const=False, help="never record")
     add("--picture", metavar="FILE", help="draw the run (.png, .svg or .pdf)")
+    add("--screen", metavar="FILE", help="give the robot a touch screen if it has none, and keep what it shows in the end (.png)")
+    add("--screen-kind", choices=KINDS, help="its dialect (default: as robot.json says, else usart-gpu)")
     add("--mirror", action="store_true", help="the course with left and right exchanged")
     add("--reverse", action="store_true", help="enter from the other end")
     add("--angle", type=float, default=90.0, metavar="DEG", help="bend: angle of its two bends (default 90)")

@@ -106,6 +106,9 @@ class Recorder(Observer):
     def uart(self, time, gpio, data):
         self._write(Stream.UART, int(time), bytes((gpio,)) + data)
 
+    def screen(self, time, data):
+        self._write(Stream.SCREEN, int(time), data)
+
     def serial(self, data):
         self._write(Stream.TELEMETRY, self._now, data)
 
@@ -190,6 +193,10 @@ class Observers(Observer):
     def uart(self, time, gpio, data):
         for watch in self._watches:
             watch.uart(time, gpio, data)
+
+    def screen(self, time, data):
+        for watch in self._watches:
+            watch.screen(time, data)
 
     def reset(self, time, cause):
         for watch in self._watches:

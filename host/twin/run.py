@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from math import degrees
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +29,7 @@ class Result:
 
     track: (n, 4) time s, x mm, y mm, heading deg (clockwise from +y), not more often than 100 a second. log: the
     decisions, see `host.recording.Decision`. contacts: by the robot's own motion; touched_by: how often a box that moves met the robot while it stood.
-    touches: (time s, x, y, heading deg) where each contact of its own began. fault: what it showed of its fault. recording: file of the
+    touches: (time s, x, y, heading deg) where each contact of its own began. fault: what it showed of its fault. glass: what its screen shows (screen.Glass), None without one. recording: file of the
     recording, if there is one. lost: why it broke off, if it did.
     """
 
@@ -58,12 +59,13 @@ class Result:
     vehicle: Vehicle = field(repr=False)
     house: dict | None = None
     errand: object = field(repr=False, default=None)
+    glass: Any = field(default=None, repr=False)
 
     def summary(self):
         """The figures as a dict that JSON can hold."""
         out = {}
         for name, value in vars(self).items():
-            if name in ("house", "errand", "track", "log", "touches", "fault", "layout", "vehicle", "lost"):
+            if name in ("house", "errand", "track", "log", "touches", "fault", "layout", "vehicle", "lost", "glass"):
                 continue
             out[name] = round(value, 3) if isinstance(value, float) else value
         if self.fault is not None:
@@ -289,4 +291,5 @@ def _result(simulation, layout, vehicle, figures):
         touches=[(t.time / 1e6, t.x, t.y, degrees(t.heading)) for t in simulation.contact.touches + simulation.met.touches],
         layout=layout,
         vehicle=vehicle,
+        glass=simulation.screen and simulation.screen.glass,
     )

@@ -16,6 +16,7 @@ from .world import World
 
 STEP_US = 10_000.0
 LIMIT_US = 60e6
+SCREEN_US = 15_000  # without a lidar that turns the firmware stops so often for its screen
 STUCK_US = 10e6  # held by a wall for so long: the run is over
 ROOM = wire.REPLY - wire.PAYLOAD
 
@@ -52,6 +53,7 @@ class Simulation:
         self.met = Encounters(self.scene, self.body, vehicle.width / 2, vehicle.length / 2)
         self.now = 0
         self._line = Line(vehicle.lidar.baud)
+        self.screen = None if vehicle.screen is None else _screen(vehicle.screen)
         self.decisions = []
         self.overflows = 0
         self.result = None
@@ -74,6 +76,8 @@ class Simulation:
                 electronics.pwm(time, where, value / 65535)
             elif kind == wire.UART_OUTPUT:
                 self._watch.uart(time, where, data)
+                if self.screen is not None and where == self.vehicle.screen.tx:
+                    self.screen.receive(time, data)
         self._run_up_to(request.target)
         self.now = request.target
         self.fault.look(self)
@@ -91,7 +95,8 @@ class Simulation:
         line = self._lidar_wire
         for time, data in batches:
             self._watch.lidar(time, data)
-        return self._horizon(), *inputs, [(time, data, *line) for time, data in batches]
+        pieces = [(time, data, *line) for time, data in batches]
+        return self._horizon(), *inputs, pieces + self._from_screen(request, pieces)
 
     def stop(self, result, reason):
         """End the run from outside."""
@@ -114,12 +119,24 @@ class Simulation:
         self.scene.walls.put(np.vstack([self.course.segments, sides]))
         self.contact.walls_moved()
 
+    def _from_screen(self, request, pieces):
+        """What the screen has sent by then, beside the lidar's pieces: it arrives when the firmware stops for the lidar anyway, or it would stop in the middle of a frame."""
+        screen = self.screen
+        if screen is None or self.vehicle.screen.rx is None or request.target == request.now:
+            return []
+        found = screen.line.take(request.target, wire.CHUNKS - len(pieces), ROOM - sum(len(piece[1]) for piece in pieces))
+        found = [(max(time, request.now + 1), data) for time, data in found]
+        for time, data in found:
+            self._watch.screen(time, data)
+        return [(time, data, self.vehicle.screen.rx, screen.baud) for time, data in found]
+
     def _horizon(self):
         """Time before which nothing more arrives."""
         first = self._line.first_arrival()
         first = int(self.lidar.due + DELAY_US) if first is None else first
         wake = self.fault.wake
-        return int(wake) if self.now < wake < first else first
+        first = int(wake) if self.now < wake < first else first
+        return first if self.screen is None else min(first, self.now + SCREEN_US)
 
     def _decide(self, request):
         probe = request.probe
@@ -198,6 +215,9 @@ class Observer:
     def uart(self, time, gpio, data):
         """The firmware sent bytes on a UART."""
 
+    def screen(self, time, data):
+        """Bytes from the screen, the first of which arrives at the time."""
+
     def reset(self, time, cause):
         """The board resets itself; cause as machine.reset_cause() gives it afterwards."""
 
@@ -206,6 +226,12 @@ class Observer:
 
     def step(self, simulation):
         """Called after each exchange with the firmware."""
+
+
+def _screen(panel):
+    from .screen import Screen  # what paints takes its time to load
+
+    return Screen(panel.kind, panel.baud)
 
 
 def perturbed(start, random):

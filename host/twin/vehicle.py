@@ -26,11 +26,21 @@ class Lidar:
 
 
 @dataclass(frozen=True)
+class Panel:
+    """The serial screen. kind: its dialect; tx, rx: GPIO of the ESP32, None where not joined; baud."""
+
+    kind: str
+    tx: int | None
+    rx: int | None
+    baud: int
+
+
+@dataclass(frozen=True)
 class Vehicle:
     """Lengths in mm, angles in 0.1 deg, pulses in us. Per-wheel tuples run left, right of each axle from the front.
 
     axles: y of each axle. pulse_low, pulse_high: pulses of -90 and 90 deg. trims: what the firmware adds to an angle for this wheel.
-    scl, sda: GPIO. motor_channels: of IN1, for each axle. full_speed: mm/s. battery_divider: battery volts over volts at the pin.
+    scl, sda: GPIO. motor_channels: of IN1, for each axle. full_speed: mm/s. battery_divider: battery volts over volts at the pin. screen: None without one.
     """
 
     axles: tuple
@@ -59,6 +69,7 @@ class Vehicle:
     scl: int
     sda: int
     lidar: Lidar
+    screen: Panel | None
 
     @classmethod
     def from_settings(cls, settings):
@@ -109,4 +120,5 @@ class Vehicle:
                 near=c.lidar_near,
                 far=c.lidar_far,
             ),
+            screen=None if c.screen_kind == "none" else Panel(c.screen_kind, c.screen_tx, c.screen_rx, c.screen_baud),
         )

@@ -65,7 +65,7 @@ def _build(path, note):
     motor, button, adc, doubt = devices.inputs(once)
     devices = None
     forget("core.devices", "link.wifi")
-    for name in _MACHINE_CODE:  # as early, and it is the largest part
+    for name in _MACHINE_CODE + ("link.screen_kernels",) * (screen_line is not None):  # as early, and it is the largest part
         __import__(name)
     world = _map()
     avoid = _avoid(config)  # its tables are the largest objects: they come while the heap is still in one piece
@@ -285,8 +285,8 @@ def _robot(config, avoid, lidar, drive, safety, health, link, screen_line, goal)
     if screen_line is not None:
         from link.screen import Screen
 
-        screen = Screen(screen_line, config.screen_kind, config.screen_baud)
-        unload("link.reason_texts", "link.screen_dialects")
+        screen = Screen(screen_line, config.screen_kind, config.screen_baud, config)
+        unload("link.screen_build")
     robot = Robot(config, avoid, lidar, drive, safety, health, link, screen, goal)
     if config.once["drive_autostart"]:
         from safety.remember import Remember

@@ -1,136 +1,212 @@
-"""Serial touch screens: what the robot does, in five lines, and two buttons. screen_dialects.py has what each family wants to be told.
+"""Serial touch screens: what stands round the robot and what it does, and six buttons. screen_build.py has what each family wants to be told.
 
-All lines share one prepared command, in which what goes before the text and the text change, so that nothing is put together while the robot
-drives. One command at most goes out a call, and only when the line has had time to send the one before: a write never waits.
+    rows 0 .. 179     the points round the body, head up, in the colours of their windows, the outline and the way that is driven
+    182 .. 253        state, mode and free way; AF, AR, V; the reason; battery and lidar, or the fault
+    256 .. 319        stop, start, set; while setting: see screen_menu.py
+
+A call sends one command of a fixed length at most, made in place, and only when the line has had time to send the one before and the screen has
+answered, or has had time to: a write never waits. Whatever the screen sends, or that it sends nothing, delays nobody.
 """
 
-from time import ticks_add, ticks_diff
+from time import ticks_diff
 
+import micropython
 from micropython import const
 
 from core.crc16 import crc16
-from link.telemetry import copy
+from link.screen_kernels import box, emit, hear, way
 
-_WIDTH = const(36)  # characters in a line
-_LINES = const(5)
-_PERIOD_US = const(60_000)
-_CLEARING_US = const(300_000)  # the screen clears itself before it listens again
-_PRESSED = const(4096)  # of touch_brackets.py and touch_nextion.py
-_STOP = const(4097)
-_AUTO = const(4098)
-_STATES = (b"STOP", b"AUTO", b"HAND")
+_ROWS = const(36)  # of the picture
+_CELLS = const(864)  # bytes that hold it
+_SIZE = const(192)  # of a command
+_LAST = const(160)  # where a box may still begin
+_LINES = const(4)
+_TOP = const(182)
+_HIGH = const(18)
+_A_TURN = const(3)  # rows looked at
+_PICTURE_US = const(150_000)  # from one picture to the next
+_SILENT = const(3)  # commands without an answer: then the next answer is that of a screen that has been plugged in, or has started
+_BIAS = const(0x8000)
+_OK = const(64)
+_RESTARTED = const(128)
+
+# Places in work, besides those of screen_kernels.py
+_NUMBERS = const(7)
+_INSIDE = const(15)
+_PALETTE = const(16)
+_Y = const(24)
+_FRESH = const(25)
+_COORDINATES = const(28)
+_FIRST_FAULT = const(31)  # number of its text
+_LINE_US = const(32)  # what a command takes on the line
+_PATIENCE_US = const(33)  # likewise, until a screen that does not answer is told the next all the same, and one that never does
+_SENT_US = const(35)  # when the last command was sent
+_BEGAN_US = const(36)  # when the picture was
+_ANSWERED = const(37)
+_MUTE = const(38)  # commands without an answer
+_LINE = const(39)  # of text that is next
+_FILLED = const(40)  # where the command ends that holds boxes already, 0 if none does
+_SHOWN = const(41)  # check of each line that the screen shows, + 1; 0 for none
+
+# Texts, see screen_build.py
+_BOX = const(0)
+_TEXT = const(1)
+_BUTTONS = const(2)
+_STATES = const(3)
+_STEERING = const(6)
+_HEALTH = const(7)
+_REASONS = const(10)
 
 
 class Screen:
     """Shows the robot on a screen and hears its buttons.
 
-    uart: UART with a txbuf of at least 128 bytes; kind: screen.kind of robot.json; baud: speed of the line.
+    uart: UART with a txbuf of at least 256 bytes; kind, baud: screen.kind and screen.baud of robot.json; config: Config.
+    page: 0, or the number of what is being set, of screen_menu.py, plus 1. queue: commands to be sent before all else, as (texts, ends, number); anew: those for a screen that knows nothing.
+    texts, ends, work: see screen_kernels.py.
     """
 
-    def __init__(self, uart, kind, baud):
-        from link import screen_dialects
+    def __init__(self, uart, kind, baud, config):
+        from link.screen_build import build
 
-        self._uart = uart
-        self._start, self._befores, after = screen_dialects.commands(kind, _LINES)
-        self._first = first = len(self._befores) // _LINES  # where the text begins, and where it ends
-        self._end = first + _WIDTH
-        self._texts, self._ends, self._first_fault = screen_dialects.texts(_WIDTH)
-        self._hear = screen_dialects.hearing(kind)
-        self._command = bytearray(first + _WIDTH) + after
-        self._shown = [-1] * _LINES  # check of each text on the screen
-        self._at = 0  # where the next character of the text goes
-        self._byte_us = 10_000_000 // baud
-        self._ready_us = None  # when the line has sent what it has
-        self._input = bytearray(16)
-        self._line = self._touch = 0
+        build(self, uart, kind, baud, config, _SIZE)
 
+    @micropython.viper
     def update(self, now_us, robot, link):
-        """Show one line if it is time, hear the buttons: stop and auto go to the link. robot: as for the link."""
-        self._listen(link)
-        if self._ready_us is not None and ticks_diff(now_us, self._ready_us) < 0:
-            return
-        if self._start:
-            self._write(self._start.pop(0), now_us, _CLEARING_US)
-            return
-        line = self._line
-        self._line = (line + 1) % _LINES
-        self._at = self._first
-        self._compose(line, robot, link)
-        while self._at < self._end:
-            self._put_byte(0x20)
-        check = crc16(self._command, self._first, self._end)
-        if check != self._shown[line]:
-            self._shown[line] = check
-            copy(self._befores, line * self._first, self._first, self._command, 0)
-            self._write(self._command, now_us, _PERIOD_US)
-
-    def _write(self, command, now_us, least_us):
-        self._uart.write(command)
-        self._ready_us = ticks_add(now_us, max(least_us, 2 * len(command) * self._byte_us))
-
-    def _compose(self, line, robot, link):
-        avoid = robot.avoid
-        if line == 0:
-            self._put(_STATES[link.state])
-            self._fill(b"  mode #  free # mm", avoid.mode, avoid.free, 0)
-        elif line == 1:
-            self._fill(b"AF ~  AR ~  V #", avoid.af, avoid.ar, avoid.v)
-        elif line == 2:
-            self._put_text(avoid.why)
-        elif line == 3:
-            self._fill(b"# points, lidar # rpm", max(avoid.points_count, 0), robot.lidar.speed20 * 3, 0)
-        elif robot.safety.fault:
-            self._put(b"! ")
-            self._put_text(self._first_fault + robot.safety.fault)
-        else:
-            self._fill(b"battery ~ V", robot.health.battery_mv // 100, 0, 0)
-
-    def _fill(self, form, value, second, third):
-        """Append a form with the next of the values for each #, and a tenth of it, with one decimal, for each ~."""
-        for byte in form:
-            if byte != 0x23 and byte != 0x7E:
-                self._put_byte(byte)
-                continue
-            if value < 0:
-                self._put_byte(0x2D)
-                value = -value
-            least = 1 if byte == 0x23 else 10  # of two digits, if one is behind the point
-            power = least
-            while value // power >= 10:
-                power *= 10
-            while power:
-                if power * 10 == least:
-                    self._put_byte(0x2E)
-                self._put_byte(0x30 + value // power % 10)
-                power //= 10
-            value = second
-            second = third
-
-    def _put(self, what, start=0, end=None):
-        """Append bytes, as far as the line reaches."""
-        count = min((len(what) if end is None else end) - start, self._end - self._at)
-        copy(what, start, count, self._command, self._at)
-        self._at += count
-
-    def _put_byte(self, byte):
-        if self._at < self._end:
-            self._command[self._at] = byte
-            self._at += 1
-
-    def _put_text(self, number):
-        """Append a text of reason_texts.py."""
-        self._put(self._texts, self._ends[number - 1] if number else 0, self._ends[number])
-
-    def _listen(self, link):
+        """Send the next command if it is time, hear the buttons. robot: as for the link."""
+        work = ptr32(self.work)
         count = self._uart.readinto(self._input)
-        if not count or self._hear is None:
+        if count:
+            self._listen(hear(self._cells, self.work, self._input, count), now_us, robot, link)
+        passed = int(ticks_diff(now_us, self.work[_SENT_US]))
+        patience = _LINE_US
+        if not work[_ANSWERED]:
+            patience = _PATIENCE_US + 1 if work[_MUTE] == _SILENT else _PATIENCE_US
+        if passed >= 0 and passed < work[patience]:
             return
-        i = 0
-        while i < count:
-            touch = self._hear(self._touch, self._input[i])
-            if touch == _STOP:
-                link.stop()
-            elif touch == _AUTO:
-                link.drive_itself()
-            self._touch = touch if touch < _PRESSED else 0
-            i += 1
+        if not work[_ANSWERED] and work[_MUTE] < _SILENT:
+            work[_MUTE] += 1
+        if self.page and link.state:
+            self.leave()
+        at = 0
+        if not work[_FILLED]:
+            if self.queue:
+                told = self.queue.pop(0)
+                at = int(emit(self._command, 0, told[0], told[1], told[2], self.work))
+            else:
+                line = work[_LINE]
+                work[_LINE] = (line + 1) % _LINES
+                if line == 0 or not self.page:
+                    at = int(self._compose(line, robot, link))
+        if at == 0:
+            at = int(self._draw(now_us, robot))
+        if at:
+            work[0] = at
+            emit(self._command, _SIZE, self.texts, self.ends, -1, self.work)
+            self._uart.write(self._command)
+            work[_SENT_US] = int(now_us)
+            work[_ANSWERED] = work[_COORDINATES]  # a Nextion is told not to answer
+
+    def leave(self):
+        """Show the three buttons and all lines."""
+        self.page = 0
+        self.queue.append((self.texts, self.ends, _BUTTONS))
+        for line in range(_LINES):
+            self.work[_SHOWN + line] = 0
+
+    @micropython.viper
+    def _compose(self, line: int, robot, link) -> int:
+        """Put a line of text into the command; returns where it ends, 0 if the screen shows it already."""
+        work = ptr32(self.work)
+        avoid = robot.avoid
+        fault = int(robot.safety.fault)
+        number = _STEERING
+        colour = 6
+        work[_NUMBERS] = _BIAS + int(avoid.mode)
+        work[_NUMBERS + 1] = _BIAS + int(avoid.free)
+        if line == 0:
+            number = int(link.state)
+            colour = 2 - number if number < 2 else 4  # as red, green and yellow windows
+            number += _STATES
+        elif line == 1:
+            work[_NUMBERS] = _BIAS + int(avoid.af)
+            work[_NUMBERS + 1] = _BIAS + int(avoid.ar)
+            work[_NUMBERS + 2] = _BIAS + int(avoid.v)
+        elif line == 2:
+            number = _REASONS + int(avoid.why)
+        elif fault:
+            number = work[_FIRST_FAULT] + fault
+            colour = 2
+        else:
+            number = _HEALTH
+            work[_NUMBERS] = _BIAS + int(robot.health.battery_mv) // 100
+            work[_NUMBERS + 1] = _BIAS + int(robot.lidar.speed20) * 3
+        work[0] = 4
+        work[1] = _TOP + _HIGH * line
+        work[3] = work[1] + _HIGH - 1
+        work[6] = work[_PALETTE + colour]
+        work[_INSIDE] = number
+        at = int(emit(self._command, 0, self.texts, self.ends, _TEXT, self.work))
+        check = int(crc16(self._command, 0, at)) + 1
+        if check == work[_SHOWN + line]:
+            return 0
+        work[_SHOWN + line] = check
+        return at
+
+    @micropython.viper
+    def _draw(self, now_us, robot) -> int:
+        """Go on with the picture; returns where the command ends that changes it, 0 when it has yet to be filled or there is nothing to change."""
+        work = ptr32(self.work)
+        avoid = robot.avoid
+        if work[_Y] == _ROWS:
+            passed = int(ticks_diff(now_us, self.work[_BEGAN_US]))
+            if passed >= 0 and passed < _PICTURE_US:
+                return 0
+            work[_Y] = 0
+            work[_BEGAN_US] = int(now_us)
+            aim = robot.drive.aim
+            way(self._cells, self.work, aim.vx, aim.vy, aim.w, aim.span, avoid.v)
+        at = work[_FILLED]
+        rows = _A_TURN
+        count = int(avoid.points_count)
+        work[_FRESH] = 1
+        while at < _LAST and rows and work[_Y] < _ROWS and count >= 0 and avoid.points_ordered:
+            if int(box(self._cells, self.work, avoid.points_x, avoid.points_y, avoid.points_window, count)):
+                at = int(emit(self._command, at, self.texts, self.ends, _BOX, self.work))
+            else:
+                rows -= 1
+        work[_FILLED] = at
+        if at < _LAST and work[_Y] < _ROWS:
+            return 0
+        work[_FILLED] = 0
+        return at
+
+    @micropython.viper
+    def _listen(self, said: int, now_us, robot, link):
+        """Take note of what the screen said, see hear()."""
+        work = ptr32(self.work)
+        if said & _OK:
+            if work[_MUTE] == _SILENT:
+                said |= _RESTARTED
+            work[_ANSWERED] = 1
+            work[_MUTE] = 0
+        if said & _RESTARTED:  # it shows nothing of what it was told
+            self.queue.clear()
+            self.queue.extend(self.anew)
+            self.leave()
+            work[_Y] = _ROWS
+            work[_FILLED] = 0
+            cells = ptr8(self._cells)
+            k = _CELLS
+            while k:
+                k -= 1
+                cells[k] = 0
+        said &= 63
+        if said and (said % 3 == 0 or self.page):
+            link.stop()
+            if not robot.drive.v256:
+                link.rare(now_us, robot, "link.screen_menu").touch(self, said, robot, link)
+        elif said == 1 or said == 4:
+            link.stop()
+        elif said:
+            link.drive_itself()

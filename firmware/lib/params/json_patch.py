@@ -167,6 +167,6 @@ def _missing(prefix, changed):
         return [('"%s"' % key[len(prefix) :], changed.pop(key)) for key in names]
     groups = {}
     for key in names:
-        group, name = key.split(".")
-        groups[group] = groups.get(group, []) + ['"%s": %s' % (name, changed[key])]
-    return [('"%s"' % group, "{%s}" % ", ".join(groups[group])) for group in sorted(groups)]
+        group, _, name = key.partition(".")
+        groups[group] = groups.get(group, []) + ['"%s": %s' % (name, changed[key]) if name else changed[key]]
+    return [('"%s"' % group, ", ".join(groups[group]) if group in changed else "{%s}" % ", ".join(groups[group])) for group in sorted(groups)]

@@ -43,7 +43,7 @@ _checked = 1  # points of the collision check that is prepared
 _stride = 1
 _idle = 0  # 1 while nothing is under way on the USB line
 _read = 0  # bytes taken in from it in this turn
-_composed = 0  # 1 when a line for the screen was composed in this turn
+_boxes = 0  # looked for in this turn, for the screen
 _slice = 0  # of the cost to go: 0 lays the grid, 1 the trail; others close it, or let costs spread
 _closed = 0  # points that it has closed poses for
 _SLICE = const(20)  # closed at a time
@@ -278,6 +278,13 @@ _TRUST = const(49)
 _SAFETY = const(50)
 _GOAL_FRAME = const(51)
 _GOAL_STEP = const(52)
+_COMPOSE = const(53)
+_DRAW = const(54)
+_EMIT = const(55)
+_BOX = const(56)
+_WAY = const(57)
+_HEAR = const(58)
+_FRESH = const(25)  # in the work of a Screen: 1 when a box is looked for in a new row
 
 
 @_wraps(_CONFIG, "params.config:Config.__init__")
@@ -568,12 +575,10 @@ def _take(self, now_us):
 
 @_wraps(_SCREEN, "link.screen:Screen.update")
 def _screen(self, now_us, robot, link):
-    global _composed
     enter()
     before = given_out
-    _composed = 0
     _originals[_SCREEN](self, now_us, robot, link)
-    leave(_SCREEN, given_out - before, _composed)
+    leave(_SCREEN, 1 if given_out != before else 0, 0)
 
 
 @_wraps(_BUILD, "core.start:build")
@@ -694,9 +699,7 @@ def _gather(self, lidar):
 
 @_wraps(_LINE_CHECK, "link.screen:crc16")
 def _line_check(data, start, end):
-    global _composed
     enter()
-    _composed = 1
     out = _originals[_LINE_CHECK](data, start, end)
     leave(_LINE_CHECK, end - start, 0)
     return out
@@ -742,6 +745,58 @@ def _goal_step(self, odometry, points):
         elif stage == 3:
             work = n[1] * 6 // 5 if search == 0 else n[1] * 2 // 3 if search < 3 else 870
     leave(_GOAL_STEP, 1 if out else 0, work)
+
+
+@_wraps(_COMPOSE, "link.screen:Screen._compose")
+def _compose(self, line, robot, link):
+    enter()
+    out = _originals[_COMPOSE](self, line, robot, link)
+    leave(_COMPOSE, 0, 0)
+    return out
+
+
+@_wraps(_DRAW, "link.screen:Screen._draw")
+def _draw(self, now_us, robot):
+    global _boxes
+    enter()
+    _boxes = 0
+    out = _originals[_DRAW](self, now_us, robot)
+    leave(_DRAW, _boxes, 0)
+    return out
+
+
+@_wraps(_EMIT, "link.screen:emit")
+def _emit(command, at, texts, ends, number, work):
+    enter()
+    begin = work[0] if number < 0 else at
+    out = _originals[_EMIT](command, at, texts, ends, number, work)
+    leave(_EMIT, out - begin, 0)
+    return out
+
+
+@_wraps(_BOX, "link.screen:box")
+def _box(cells, work, px, py, windows, count):
+    global _boxes
+    enter()
+    _boxes += 1
+    fresh = work[_FRESH]
+    out = _originals[_BOX](cells, work, px, py, windows, count)
+    leave(_BOX, count if fresh else 0, fresh)
+    return out
+
+
+@_wraps(_WAY, "link.screen:way")
+def _way(cells, work, vx, vy, w, span, v):
+    enter()
+    _originals[_WAY](cells, work, vx, vy, w, span, v)
+    leave(_WAY, 0, 0)
+
+
+@_wraps(_HEAR, "link.screen:hear")
+def _hear(cells, work, data, count):
+    enter()
+    out = _originals[_HEAR](cells, work, data, count)
+    leave(_HEAR, count, 0)
     return out
 
 
