@@ -14,12 +14,14 @@ class _Person(Observer):
 
     def __init__(self, touches, look_s):
         self._touches, self._look_us = list(touches), look_s * 1e6
-        self.seen = None
+        self.seen = Image.new("RGB", (1, 1))
+        self._looked = False
 
     def step(self, simulation):
         while self._touches and simulation.now >= self._touches[0][0] * 1e6:
             simulation.screen.touch(simulation.now, *self._touches.pop(0)[1])
-        if self.seen is None and simulation.now >= self._look_us:
+        if not self._looked and simulation.now >= self._look_us:
+            self._looked = True
             self.seen = simulation.screen.glass.picture(1)
 
 

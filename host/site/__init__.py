@@ -25,7 +25,7 @@ NAV = (
     ("Gapseeker", "index.md"),
     ("Build", ("wiring", "robot-json", "examples/README.md", "flash", "first-power-up", "screen")),
     ("Drive", ("monitor", "tuning", "troubleshooting", "safety")),
-    ("Understand", ("definitions", "planner", "twin", "recording", "protocol")),
+    ("Understand", ("definitions", "planner", "goals", "arm", "twin", "recording", "protocol")),
     ("Judge", ("results", "bench", "memory")),
     ("Change", ("CONTRIBUTING.md", "architecture", "CHANGELOG.md")),
 )
@@ -131,7 +131,10 @@ def _settings(pages, target, drawn):
             nav.append(f"  - {title}: {entries}")
         else:
             nav.append(f"  - {title}:")
-            nav += [f"    - {name if name.endswith('.md') else f'docs/{name}.md'}" for name in entries]
+            nav += [f"    - {_page(name)}" for name in entries]
+    named = {_page(name) for _, entries in NAV for name in ([entries] if isinstance(entries, str) else entries)}
+    if more := [str(_place(page)) for page in page_files() if str(_place(page)) not in named]:
+        nav += ["  - More:", *(f"    - {name}" for name in more)]
     style = pages / "site.css"
     style.write_text(CSS)
     scripts = "extra_javascript: [mermaid.min.js]\n" if drawn else ""
@@ -159,6 +162,10 @@ markdown_extensions:
 nav:
 {chr(10).join(nav)}
 """
+
+
+def _page(name):
+    return name if name.endswith(".md") else f"docs/{name}.md"
 
 
 CSS = """:root, [data-md-color-scheme=default], [data-md-color-scheme=slate] {
