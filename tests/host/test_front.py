@@ -36,7 +36,7 @@ def test_the_readme_has_two_commands_to_try_and_they_are_words_of_make():
     text = (ROOT / "README.md").read_text()
     words = re.findall(r"^    make ([a-z]+)", text, re.MULTILINE)
     made = set(re.findall(r"^([a-z][a-z-]*):", (ROOT / "Makefile").read_text(), re.MULTILINE))
-    assert words == ["demo", "monitor"] and set(words) <= made
+    assert words == ["demo", "test"] and set(words) <= made
 
 
 @pytest.mark.parametrize("path", reference.pages(), ids=lambda path: path.name)
