@@ -1,7 +1,7 @@
 """The twin as a link: it runs in a thread, and the firmware's USB serial line is the wire.
 
     twin:COURSE?width=550&gap=400&seed=3&mirror=1&reverse=1&angle=90&scale=1&mode=naws&speed=1&chip=1&engine=cpython&config=robot.json&record=FILE
-        &fault=NAME@SECONDS&autostart=0&length=2500&side=1&start=0,0,90&goal=0,3000&arm=arm.json
+        &fault=NAME@SECONDS&autostart=0&length=2500&side=1&start=0,0,90&goal=0,3000&arm=arm.json&screen=usart-gpu
 
 COURSE is one of the twin's, in any case, or the file of a world; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes.
 autostart=0 waits for a start, as the robot does after power-up. What the others mean: `python -m host.twin --help`.
@@ -21,6 +21,7 @@ from .base import Link
 KEPT = Path("out") / "twin" / "robot.json"  # what was kept in the twin last
 
 _TRUTH_S = 0.04
+_SCREEN_S = 0.2  # no picture of the screen more often
 
 
 def _speed(text):
@@ -51,10 +52,19 @@ def _goal(text):
     return x, y
 
 
+def _screen(text):
+    from host.twin.screen import KINDS
+
+    if text not in KINDS:
+        raise AddressError(f"twin option screen={text}: there are {', '.join(KINDS)}")
+    return text
+
+
 OPTIONS: dict[str, Callable] = {
     "width": float, "gap": float, "seed": int, "mirror": _flag, "reverse": _flag, "angle": float, "scale": float, "mode": str, "engine": str,
     "speed": _speed, "chip": float, "config": str, "firmware": str, "record": str, "fault": _fault, "autostart": _flag,
     "length": float, "side": _flag, "start": _start, "goal": _goal, "arm": str,
+    "screen": _screen,
 }  # fmt: skip
 
 
@@ -75,8 +85,13 @@ def arguments_of(course: str, options: dict) -> dict:
             raise
         except ValueError:
             raise AddressError(f"twin option {key}={text}: a number is needed") from None
+    changes: dict = {}
     if not arguments.pop("autostart", True):
-        arguments["changes"] = {"drive.autostart": False}
+        changes["drive.autostart"] = False
+    if screen := arguments.pop("screen", None):
+        changes["screen.kind"] = screen
+    if changes:
+        arguments["changes"] = changes
     return arguments
 
 
@@ -103,7 +118,9 @@ class TwinLink(Link):
         self._guard = threading.Lock()
         self._open = True
         self._told = False
-        self._held = "changes" in arguments  # a person drives it, or has stopped it, or has not started it yet
+        self._touches: list[tuple[float, float]] = []
+        self._shown, self._shown_s = -1, 0.0  # of the screen: what was told of it last, and when
+        self._held = "drive.autostart" in arguments.get("changes", {})  # a person drives it, or has stopped it, or has not started it yet
         self._looked = 0.0
         self._folder: Path | None = None
         self._box_wanted: tuple[float, float, float] | None = None
@@ -147,6 +164,23 @@ class TwinLink(Link):
         if size and not 40 <= size <= 400:
             raise ValueError(f"a box of {size:g} mm: 40 to 400 mm")
         self._box_wanted = (x, y, size)
+
+    def touch(self, x: float, y: float) -> None:
+        """A finger on the robot's screen, pixels from its upper left."""
+        self._touches.append((x, y))
+
+    def _look_at_screen(self, simulation) -> None:
+        """Touch it, and tell `screen` when it looks different."""
+        screen = simulation.screen
+        if screen is None:
+            return
+        while self._touches:
+            screen.touch(simulation.now, *self._touches.pop(0))
+        now = time.monotonic()
+        if screen.glass.changes != self._shown and now - self._shown_s >= _SCREEN_S:
+            self._shown, self._shown_s = screen.glass.changes, now
+            wide, high = screen.glass.image.size
+            self._put({"type": "screen", "png": screen.glass.png(), "wide": wide, "high": high})
 
     def _tell_pace(self) -> None:
         self._put({"type": "pace", "speed": self.pace.speed, "paused": self.pace.paused})
@@ -214,6 +248,7 @@ class TwinLink(Link):
         if not self._open:
             raise KeyboardInterrupt  # the twin's way to be told to end
         self._move_box(simulation)
+        self._look_at_screen(simulation)
         simulation.endless = self._held  # by hand a run never ends
         if self._held:
             # The time that a course may take is the robot's, not the person's.

@@ -31,6 +31,10 @@ def _box(station, what: dict) -> None:
     _twin(station).put_box(float(what["x"]), float(what["y"]), float(what["size"]))
 
 
+def _touch(station, what: dict) -> None:
+    _twin(station).touch(float(what["x"]), float(what["y"]))
+
+
 @lru_cache(maxsize=1)
 def _courses() -> dict:
     """What the twin can be asked for: its courses with their walls, for small pictures, and what can fail."""
@@ -61,4 +65,5 @@ HERE: dict[str, Callable] = {
     "courses": lambda station, what: _courses(),
     "pace": _pace,
     "box": _box,
+    "touch": _touch,
 }

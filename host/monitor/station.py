@@ -31,12 +31,13 @@ LATEST = (
     "other",
     "pace",
     "box",
+    "screen",
     "ended",
 )
 
 RECORDINGS = Path("out")  # where a page records, and the only folder from which it opens recordings
 # What a page may ask of the twin: no files, and no code of the asker's choice. The command line takes every option.
-PAGE_OPTIONS = ("width", "gap", "seed", "mirror", "reverse", "angle", "scale", "mode", "speed", "autostart", "fault")
+PAGE_OPTIONS = ("width", "gap", "seed", "mirror", "reverse", "angle", "scale", "mode", "speed", "autostart", "fault", "screen")
 
 ASK_S, ASKED = 3.0, 10  # how long to wait for the parameters, and how often to ask
 

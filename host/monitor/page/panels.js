@@ -9,9 +9,10 @@
 //     press(point)   { x, y } mm in the map from above; true: it was meant for this panel. Asked only while its tab is open
 
 import { gamepad } from "./gamepad.js";
+import { screen } from "./screen.js";
 import { twin } from "./twin.js";
 
-const MODULES = [twin, gamepad];
+const MODULES = [twin, gamepad, screen];
 
 export class Panels {
   // page: what modules get, see main.js. state: the latest messages.
@@ -71,8 +72,8 @@ export class Panels {
   }
 
   hear(message) {
-    if (message.type === "connected" || message.type === "hello") this.review();
     for (const { hear } of this.modules) hear?.[message.type]?.(message);
+    if (["connected", "hello", "screen"].includes(message.type)) this.review();
   }
 
   draw(name, pen, view) {

@@ -19,6 +19,7 @@ const FORM = `
       <label><span data-id="size-name">width</span> <input type="number" data-id="size" step="10"> mm</label>
       <label>seed <input type="number" data-id="seed" min="0" step="1" value="0"></label>
       <label>wheels <select data-id="mode"><option value="">as in robot.json</option><option value="aws">all steered</option><option value="naws">last axle straight</option></select></label>
+      <label>screen <select data-id="screen"><option value="">as in robot.json</option><option>usart-gpu</option><option>uart-lcd</option><option>nextion</option></select></label>
       <label>fails <select data-id="fault"><option value="">nothing</option></select></label>
       <label>after <input type="number" data-id="after" min="0" max="3599" step="0.5" placeholder="4"> s</label>
       <button type="button" data-id="mirror" aria-pressed="false">Mirrored</button>
@@ -76,6 +77,7 @@ export const twin = {
     Object.assign(this, { course: place.toLowerCase(), given });
     for (const id of ["pause", "step", "box"]) this.get(id).disabled = false;
     this.get("seed").value = given.get("seed") || 0;
+    this.get("screen").value = given.get("screen") || "";
     this.get("mode").value = (given.get("mode") || "").toLowerCase();
     for (const id of ["mirror", "reverse"]) this.get(id).setAttribute("aria-pressed", given.get(id) === "1");
     if (this.offered) this.choose();
@@ -108,7 +110,7 @@ export const twin = {
     const course = this.offered.find((one) => one.name.toLowerCase() === this.course)?.name;
     this.trouble("");
     this.page.send({
-      do: "again", course, [this.size]: get("size").value, seed: get("seed").value, mode: get("mode").value, fault: fault && after ? `${fault}@${after}` : fault,
+      do: "again", course, [this.size]: get("size").value, seed: get("seed").value, mode: get("mode").value, screen: get("screen").value, fault: fault && after ? `${fault}@${after}` : fault,
       mirror: isOn(get("mirror")) ? 1 : "", reverse: isOn(get("reverse")) ? 1 : "",
     });
   },

@@ -1,6 +1,8 @@
 """What a screen shows: 240 x 320 pixels, upright."""
 
+import base64
 import functools
+import io
 
 from PIL import Image, ImageDraw, ImageFont
 
@@ -33,6 +35,12 @@ class Glass:
         for k, letter in enumerate(text):
             self._draw.text((x + (k + 0.5) * high / 2, y + high * 0.78), letter, font=font, fill=colour, anchor="ms")
         return len(text) * high * high // 2
+
+    def png(self):
+        """The pixels as PNG in base64, a str."""
+        data = io.BytesIO()
+        self.image.save(data, "PNG")
+        return base64.b64encode(data.getvalue()).decode()
 
     def picture(self, scale=2):
         """An Image of the screen in its case."""
