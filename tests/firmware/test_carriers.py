@@ -267,7 +267,16 @@ class Wlan:
 
 
 class Radio(Datagrams):
-    """With the poller replaced by that of the socket, which select cannot watch."""
+    """With the poller replaced by that of the socket, which select cannot watch, and a turn of the loop that has just begun."""
+
+    late = 0
+
+    def __init__(self, *settings):
+        super().__init__(*settings, clock=lambda: (self.now + self.late) % 2**30)
+
+    def take(self, now_us):
+        self.now = now_us
+        return super().take(now_us)
 
     def _bind(self):
         self._socket = self._sockets
@@ -297,6 +306,34 @@ def test_datagrams_go_to_who_was_heard_and_no_longer_than_that():
     assert radio.send(encoder) and sockets.sent.pop()[1] == ("10.0.0.7", 4321)
     radio.update(4_000_000)
     assert radio.send(encoder) and sockets.sent == []
+
+
+def test_who_sends_rubbish_is_not_heard_for_a_moment():
+    sockets, wlan = Sockets(), Wlan()
+    wlan.up = True
+    radio = Radio(wlan, sockets, 9750, Encoder())
+    for start in (0, 2**30 - 30_000):
+        radio.update(start)
+        sockets.received.extend([(frame(protocol.GREET, b"\1\0\0\0\1") * 2, ("10.0.0.7", 4321))] * 3)
+        assert radio.take(start)
+        radio.shun(start)
+        assert not any(radio.take((start + later) % 2**30) for later in (0, 5000, 49_999)) and len(sockets.received) == 2
+        assert radio.take((start + 50_000) % 2**30) and radio.take((start + 50_000) % 2**30)
+        sockets.received.clear()
+        radio.decoder.clear()
+
+
+def test_a_turn_that_has_been_long_leaves_datagrams_to_the_next():
+    sockets, wlan = Sockets(), Wlan()
+    wlan.up = True
+    radio = Radio(wlan, sockets, 9750, Encoder())
+    for start in (0, 2**30 - 2000):
+        radio.update(start)
+        sockets.received.append((frame(protocol.GREET, b"\1\0\0\0\1"), ("10.0.0.7", 4321)))
+        radio.late = 4501
+        assert not radio.take(start)
+        radio.late = 4500
+        assert radio.take(start) and not sockets.received
 
 
 def test_the_longest_frame_fits_its_view():

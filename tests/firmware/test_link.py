@@ -144,6 +144,7 @@ class Line:
         self.announced = 0
         self.answered = 0
         self.valid = 0
+        self.shunned = 0
 
     def update(self, now_us):
         pass
@@ -173,6 +174,9 @@ class Line:
 
     def heard(self, now_us):
         self.valid += 1
+
+    def shun(self, now_us):
+        self.shunned += 1
 
     def answer(self, encoder):
         self.answered += 1
@@ -578,6 +582,42 @@ def test_a_repeated_command_moves_nothing_but_an_old_stop_stops():
     line.receive(go)
     link.update(0, robot)
     assert link.state == protocol.STOPPED and line.valid == 1
+
+
+class CountingSigner(Signer):
+    checked = 0
+
+    def signed(self, session, covered, tag):
+        self.checked += 1
+        return super().signed(session, covered, tag)
+
+
+def test_the_tag_is_looked_at_last_as_it_takes_longest():
+    link, line, robot = make(signed=True)
+    link.signer = signer = CountingSigner(KEY)
+    line.receive(sign(drive(5, protocol.AUTO)))
+    link.update(0, robot)
+    assert signer.checked == 1 and line.shunned == 0 and link.state == protocol.AUTO
+    cheap = (frame(0x40, bytes(12)), frame(0x4F, bytes(12)), frame(protocol.DRIVE, bytes(11)), sign(drive(5, protocol.AUTO)), sign(drive(4, protocol.MANUAL)))
+    for k, data in enumerate(cheap):
+        line.receive(data)
+        link.update(5000 * (k + 1), robot)
+        assert signer.checked == 1 and link.refused == k + 1 == line.shunned, k
+    line.receive(sign(drive(3, protocol.STOPPED), key=bytes(32)))
+    link.update(50_000, robot)
+    assert signer.checked == 2 and link.state == protocol.AUTO and line.shunned == 6
+    line.receive(sign(drive(3, protocol.STOPPED)))
+    link.update(60_000, robot)
+    assert signer.checked == 3 and link.state == protocol.STOPPED
+
+
+def test_at_most_two_datagrams_are_taken_in_a_turn():
+    link, line, robot = make(signed=True)
+    link.signer = signer = CountingSigner(KEY)
+    line.receive(b"".join(sign(drive(counter, protocol.AUTO)) for counter in range(1, 9)))
+    for turn in range(1, 5):
+        link.update(turn * 5000, robot)
+        assert signer.checked == 2 * turn
 
 
 def test_any_bit_of_a_signed_command_counts():

@@ -64,17 +64,22 @@ class Commands:
         signed = line.signed
         if signed:
             end -= _TAG
-        if not _DRIVE <= kind <= _LAST or end < _HEADER + 4 or signed and not self._genuine(data, end):
+        # What is cheap to see comes first: the tag takes milliseconds.
+        if not _DRIVE <= kind <= _LAST or end < _HEADER + 4:
             self.refused += 1
             return False
         payload = memoryview(data)[_HEADER:end]
         counter = struct.unpack_from("<I", payload)[0]
         if signed:
-            if counter <= self.counter:
-                # Old or repeated: nothing moves. But a stop never harms.
+            old = counter <= self.counter
+            stop = kind == _DRIVE and len(payload) > 4 and payload[4] == STOPPED
+            if old and not stop or not self._genuine(data, end):
                 self.refused += 1
-                if kind == _DRIVE and len(payload) > 4 and payload[4] == STOPPED:
-                    self.stop()
+                return False
+            if old:
+                # Nothing moves by what is repeated. But a stop never harms.
+                self.refused += 1
+                self.stop()
                 return False
             self.counter = counter
         status = _OK

@@ -133,6 +133,8 @@ class Link(Commands):
                     self._nonce = bytes(line.decoder.data[_NONCE_AT : _NONCE_AT + _NONCE])
                     if not genuine:
                         self._asker = line  # broadcasts do not reach everyone; once a second, so that nobody gains by asking
+                if line.signed and not genuine:
+                    line.shun(now_us)
                 hears = hears or not line.signed  # strangers in the network must not be able to hold it up
             hears = hears or line.decoder.waiting()
         self.expire(now_us)

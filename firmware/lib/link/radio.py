@@ -1,7 +1,7 @@
 """Telemetry frames over WiFi. Loaded only where robot.json names a network; see serial_line.py for what a carrier has."""
 
 import select
-from time import ticks_diff
+from time import ticks_diff, ticks_us
 
 from micropython import const
 
@@ -11,6 +11,8 @@ _COMMAND = const(200)  # longest payload of a command
 _DATAGRAM = const(256)
 _LISTENS_US = const(3_000_000)
 _JOIN_US = const(500_000)
+_DEAF_US = const(50_000)
+_BUSY_US = const(4500)
 _FILLING = const(128)  # datagrams come in multiples of this size, so that the views of the encoder's buffer can be made beforehand
 
 
@@ -23,13 +25,14 @@ class Datagrams:
 
     signed = True
 
-    def __init__(self, wlan, sockets, port, encoder):
+    def __init__(self, wlan, sockets, port, encoder, clock=ticks_us):
+        self._clock = clock
         self._wlan = wlan
         self._sockets = sockets
         self._port = port
         self._views = [memoryview(encoder.data)[:end] for end in range(0, len(encoder.data) + 1, _FILLING)]
         self._zeros = bytes(_FILLING)
-        self._socket = self._ready = self._everyone = self._from = self._peer = self._asked_us = None
+        self._socket = self._ready = self._everyone = self._from = self._peer = self._asked_us = self._deaf_us = None
         self._peer_us = 0
         self.decoder = Decoder(_COMMAND)
 
@@ -45,8 +48,10 @@ class Datagrams:
 
     def take(self, now_us):
         """Read one datagram; True when it holds a frame. A frame never spans two."""
-        if self._socket is None:
+        if self._socket is None or self._deaf_us is not None and 0 <= ticks_diff(now_us, self._deaf_us) < _DEAF_US:
             return False
+        if ticks_diff(self._clock(), now_us) > _BUSY_US:
+            return False  # this turn of the loop has no time for a tag any more
         for _ in self._ready(0):
             try:
                 data, self._from = self._socket.recvfrom(_DATAGRAM)
@@ -63,6 +68,11 @@ class Datagrams:
         """Whoever sent the last datagram is the one to send to."""
         self._peer = self._from
         self._peer_us = now_us
+
+    def shun(self, now_us):
+        """What was received last was no valid command: for a moment nothing is heard, so that a flood of such takes little of the loop's time."""
+        self._deaf_us = now_us
+        self.decoder.clear()
 
     def idle(self):
         """Nothing is queued here."""

@@ -51,7 +51,7 @@ FAULTS = (
     "no steering within the wheels' limits: see the log",
     "what the lidar sees cannot be trusted: look at it",
     "nothing moves: held, or no power",
-    "turns the wrong way, or not as it is steered",
+    "turns the wrong way",
     "moves too slowly, or slips",
 )
 

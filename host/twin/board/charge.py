@@ -38,6 +38,7 @@ _wrapped = {}  # module: [(class or "", method, number)]
 names = []  # of the methods below, by their numbers
 _sizes = {}
 _import = builtins.__import__
+hook = None  # what stands in for it: MicroPython's module builtins goes on showing the first one
 _tested = 0
 _checked = 1  # points of the collision check that is prepared
 _stride = 1
@@ -113,8 +114,9 @@ def begin(percent, sizes):
     global _percent, _sizes
     _percent = percent
     _sizes = sizes
+    global hook
     clock(160_000_000)
-    builtins.__import__ = _importing
+    builtins.__import__ = hook = _importing
 
 
 # ---- imports
