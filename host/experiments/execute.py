@@ -53,6 +53,9 @@ def execute(run, sources):
     )
     out = _head(run, sources) | {"result": done.result, "reason": done.reason[:300], "time_s": round(done.time_s, 3), "contacts": done.contacts}
     out |= {"clearance_mm": round(done.min_clearance_mm, 1), "decisions": done.decisions, "wall_s": round(done.wall_s, 2)}
+    out |= done.against_best()
+    out |= {name: getattr(done, name) for name in ("first_motion_s", "stops", "reversals")}
+    out |= {"path_mm": round(done.path_mm), "steering_deg": round(done.steering_deg)}
     if run.shown:
         steps = np.unique((done.track[:, 0] / TRACK_S).astype(int), return_index=True)[1]
         out["track"] = np.round(done.track[np.append(steps, len(done.track) - 1)], 2).tolist()

@@ -96,6 +96,43 @@ def run_table(done, course):
     return markdown(["course", "width, mm", "seed", "result", "time, s", "contacts", "least clearance, mm"], rows)
 
 
+def ratio_table(done):
+    """The time over the best possible, by course and size: a row each, ours only."""
+    groups: dict = {}
+    for run, entry in done.items():
+        if run.planner in (plan.AWS, plan.NAWS) and not run.timed and not run.reverse and "best_s" in entry:
+            size = f"gaps of {run.gap:g}" if run.course == "random" else f"{run.width:g}"
+            groups.setdefault((run.planner == plan.NAWS, run.course == "random", run.course, -run.gap, -(run.width or 0), size), []).append(entry)
+    rows = []
+    for (straight, _, course, _, _, size), entries in sorted(groups.items()):
+        passed = [entry for entry in entries if entry["result"] == "pass"]
+        ratios = sorted(entry["time_over_best"] for entry in passed if entry["time_over_best"] is not None)
+        best = sorted(entry["best_s"] for entry in entries if entry["best_s"] is not None)
+        row = [f"{course}{', last axle straight' if straight else ''}", size, f"{len(passed)}/{len(entries)}", str(sum(entry["contacts"] for entry in entries))]
+        row += [f"{np.median(best):.1f}" if best else "no way"]
+        row += [f"{np.median(ratios):.2f}", f"{ratios[-1]:.2f}"] if ratios else ["-", "-"]
+        if passed:
+            row += [f"{sum(entry['reversals'] == 0 for entry in passed)}/{len(passed)}"]
+            row += [f"{np.median([entry[name] for entry in passed]):.0f}" for name in ("stops", "path_mm", "steering_deg")]
+        else:
+            row += ["-"] * 4
+        rows.append(row)
+    head = [
+        "course",
+        "width or gap, mm",
+        "passed",
+        "contacts",
+        "best, s",
+        "time / best, median",
+        "worst",
+        "without reversal",
+        "stops",
+        "way, mm",
+        "steering, deg",
+    ]
+    return markdown(head, rows)
+
+
 def classes(times):
     """Share in % of decision times, ms: at most 10, 10 to 20, above 20."""
     times = np.asarray(times)

@@ -102,7 +102,7 @@ def _say(text):
 
 def _tell(result, options):
     """The result first: what goes wrong with the picture must not lose it."""
-    _say(json.dumps(result.summary()) if options.json else summary_line(result))
+    _say(json.dumps(result.summary(best=True)) if options.json else summary_line(result))
     if options.picture:
         from .picture import draw
 

@@ -4,13 +4,15 @@ import json
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from math import degrees
+from itertools import pairwise
+from math import degrees, radians
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from . import arm as arms
+from . import best as best_times
 from . import courses, faults, image, process, wire, worlds
 from .errand import Errand
 from .house import build as house_of
@@ -21,6 +23,7 @@ from .simulation import BLOCKED, PASS, TIMEOUT, Observer, Simulation
 from .vehicle import Vehicle
 
 MODES = ("aws", "naws")
+STANDS = 90  # V
 
 
 @dataclass
@@ -29,6 +32,8 @@ class Result:
 
     track: (n, 4) time s, x mm, y mm, heading deg (clockwise from +y), not more often than 100 a second. log: the
     decisions, see `host.recording.Decision`. contacts: by the robot's own motion; touched_by: how often a box that moves met the robot while it stood.
+    first_motion_s: when the first motor register was switched on. stops: how often the motors were off between then and the end. reversals: how often the decided speed
+    changed its sign. path_mm: way of the body's centre. steering_deg: sum of the changes of AF and AR decided.
     touches: (time s, x, y, heading deg) where each contact of its own began. fault: what it showed of its fault. glass: what its screen shows (screen.Glass), None without one. recording: file of the
     recording, if there is one. lost: why it broke off, if it did.
     """
@@ -47,6 +52,11 @@ class Result:
     touched_by: int
     scrub_mm_s: float
     decisions: int
+    first_motion_s: float | None
+    stops: int
+    reversals: int
+    path_mm: float
+    steering_deg: float
     wall_s: float
     overflows: int
     recording: str | None
@@ -61,13 +71,25 @@ class Result:
     errand: object = field(repr=False, default=None)
     glass: Any = field(default=None, repr=False)
 
-    def summary(self):
-        """The figures as a dict that JSON can hold."""
+    def against_best(self):
+        """{best_s, time_over_best}: the least time from this start (see `best`), and how many times that it took from the first motor register on. None where no way leads
+        to the goal; the second also where the run did not get there."""
+        x, y, heading = self.track[0, 1:]
+        least = best_times.seconds(self.layout, self.vehicle, (x, y, radians(heading)), self.vehicle.cruise)
+        over = None
+        if self.result == PASS and least and self.first_motion_s is not None:
+            over = round((self.time_s - self.first_motion_s) / least, 3)
+        return {"best_s": least, "time_over_best": over}
+
+    def summary(self, best=False):
+        """The figures as a dict that JSON can hold. best: with those of against_best(), which for a new course takes a second or some."""
         out = {}
         for name, value in vars(self).items():
             if name in ("house", "errand", "track", "log", "touches", "fault", "layout", "vehicle", "lost", "glass"):
                 continue
             out[name] = round(value, 3) if isinstance(value, float) else value
+        if best:
+            out |= self.against_best()
         if self.fault is not None:
             out |= vars(self.fault)
         if self.house is not None:
@@ -270,6 +292,20 @@ def _drive(simulation, child, watch, speed, limit_s):
     return True
 
 
+def _motion(simulation, track):
+    """Figures of how it drove."""
+    began = [time for time, on in simulation.electronics.switched if on]
+    driven = [decision for decision in simulation.decisions if decision.v != STANDS]
+    pairs = list(pairwise(driven))
+    return dict(
+        first_motion_s=began[0] / 1e6 if began else None,
+        stops=max(len(began) - 1, 0),
+        reversals=sum((one.v > STANDS) != (other.v > STANDS) for one, other in pairs),
+        path_mm=float(np.hypot(*np.diff(track[:, 1:3], axis=0).T).sum()),
+        steering_deg=sum(abs(one.af - other.af) + abs(one.ar - other.ar) for one, other in pairs) / 10,
+    )
+
+
 def _result(simulation, layout, vehicle, figures):
     body = simulation.body
     times, poses = body.times[: body.count], body.poses[: body.count]
@@ -277,6 +313,7 @@ def _result(simulation, layout, vehicle, figures):
     track = np.column_stack([times[keep] / 1e6, poses[keep, :2], np.degrees(poses[keep, 2])])
     return Result(
         **figures,
+        **_motion(simulation, track),
         result=simulation.result,
         reason=simulation.reason,
         time_s=float(body.now) / 1e6,

@@ -40,7 +40,8 @@ class Vehicle:
     """Lengths in mm, angles in 0.1 deg, pulses in us. Per-wheel tuples run left, right of each axle from the front.
 
     axles: y of each axle. pulse_low, pulse_high: pulses of -90 and 90 deg. trims: what the firmware adds to an angle for this wheel.
-    scl, sda: GPIO. motor_channels: of IN1, for each axle. full_speed: mm/s. battery_divider: battery volts over volts at the pin. screen: None without one.
+    scl, sda: GPIO. motor_channels: of IN1, for each axle. full_speed: mm/s. cruise: likewise, on a free way: what the best time is
+    measured by. battery_divider: battery volts over volts at the pin. screen: None without one.
     """
 
     axles: tuple
@@ -60,6 +61,7 @@ class Vehicle:
     motor_channels: tuple
     motor_directions: tuple
     full_speed: float
+    cruise: float
     output_enable: int | None
     servo_enable: int | None
     stop_button: int | None
@@ -99,6 +101,7 @@ class Vehicle:
             motor_channels=tuple(c.motors_channels),
             motor_directions=tuple(c.motors_directions),
             full_speed=c.motors_full_speed,
+            cruise=(c.drive_cruise - 90) * c.motors_full_speed / 90,
             output_enable=c.pins_output_enable,
             servo_enable=c.pins_servo_enable,
             stop_button=c.pins_stop_button,

@@ -19,6 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 def entry(run, result="pass", **more):
     """What `execute` would give."""
     out = {"key": run.key("abc"), "sources": "abc", "result": result, "reason": "", "time_s": 12.5, "contacts": 0, "clearance_mm": 20.0}
+    out |= {"best_s": 10.0, "time_over_best": 1.25 if result == "pass" else None, "stops": 3, "reversals": 0, "path_mm": 2900, "steering_deg": 400}
     track = [[i / 10, 300.0, -50.0 + 20 * i, 0.0] for i in range(100)]
     if run.shown:
         out |= {"track": track, "log": [[0.5, 0, 0, 108, 4, 1], [3.0, 20, -30, 104, 4, 2]], "touches": []}
@@ -87,6 +88,22 @@ def test_table_3_counts_what_became_of_the_runs():
     done = {run: entry(run, result) for run, result in zip(runs, ("pass", "local_collision", "timeout"))}
     assert "1 pass, 1 local collision, 1 no pass" in tables.table_3(done)
     assert tables.rates(done) == {plan.AWS: {500: (1, 3)}}
+
+
+def test_time_over_the_best_by_course_and_size():
+    runs = [plan.Run(plan.AWS, "Z", 550, seed=seed) for seed in (1, 2, 3)] + [plan.Run(plan.AWS, "random", gap=300)]
+    entries = [entry(runs[0]), entry(runs[1], time_over_best=2.5, reversals=2), entry(runs[2], "timeout"), entry(runs[3], "timeout", best_s=None)]
+    rows = tables.ratio_table(dict(zip(runs, entries))).splitlines()[2:]
+    assert rows[0].startswith("| Z | 550 | 2/3 | 0 | 10.0 | 1.88 | 2.50 | 1/2 | 3 |")
+    assert rows[1].startswith("| random | gaps of 300 | 0/1 | 0 | no way | - | - |")
+
+
+def test_a_run_brings_its_time_over_the_best():
+    run = plan.Run(plan.AWS, "Z", 620)
+    found = execute.execute(run, planners.snapshot()[1])
+    assert found["result"] == "pass" and 10.5 < found["best_s"] < 11.7
+    assert found["time_over_best"] == pytest.approx((found["time_s"] - found["first_motion_s"]) / found["best_s"], abs=2e-3)
+    assert 1 < found["time_over_best"] < 3 and 2500 < found["path_mm"] < 4000
 
 
 def test_decision_times_fall_into_the_papers_classes():
