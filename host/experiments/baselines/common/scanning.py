@@ -47,6 +47,8 @@ class Scanning:
         self.block_y = _NO_POINT
         self.why = reasons.WAITING
         self.decisions = 0
+        self.decision = self
+        self.busy = False  # nothing to do at once, between revolutions
 
     def frame(self, lidar, odometry):
         """Take in one measurement frame, in the place of the one a revolution ago."""
