@@ -290,8 +290,8 @@ def test_what_is_charged_for_takes_what_the_firmware_passes():
     for node in ast.parse(board.read_text()).body:
         if isinstance(node, ast.FunctionDef) and node.decorator_list:
             module, _, names = node.decorator_list[0].args[1].value.partition(":")
-            ours, theirs = arguments(board, node.name), arguments(library(module), *names.split("."))
-            assert len(ours[0]) == len(theirs[0]) and ours[1] == theirs[1], f"charge.py: {node.name}({', '.join(ours[0])}) for {names}({', '.join(theirs[0])})"
+            ours, theirs = ([one.arg for one in node.args.args], len(node.args.defaults)), arguments(library(module), *names.split("."))
+            assert len(ours[0]) == len(theirs[0]) and ours[1] == theirs[1], f"charge.py: ({', '.join(ours[0])}) for {names}({', '.join(theirs[0])})"
 
 
 @pytest.mark.parametrize("engine", ["micropython", "micropython64", "cpython"])

@@ -100,8 +100,7 @@ def _everything(seconds):
     return plan
 
 
-# Not with WiFi and a screen: there the names of the twin's own board make the interpreter's list of names grow by a step of 9 kB, which the chip does not take.
-@pytest.mark.parametrize("option", ["usb", "wifi"])
+@pytest.mark.parametrize("option", OPTIONS)
 def test_all_that_a_page_asks_for_fits_while_it_drives(option):
     page = Hand(_everything(12))
     result = run("Z", 550, seed=1, changes=OPTIONS[option], watch=page, record=False)

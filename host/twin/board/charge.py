@@ -7,7 +7,8 @@ file by its bytes; a collection of garbage has one price. The prices are in pric
 
 What has gathered passes on the clock as soon as the firmware asks for the time or touches the board: `settle()`, called by time.py and machine.py.
 
-The functions take what the methods take, position by position, and allocate nothing. Whoever renames such a method renames it here.
+The functions take what the methods take, position by position, and allocate nothing. Whoever renames such a method renames it here. They have no
+names of their own, because a name takes room in the heap, which the board's own modules do not.
 """
 
 import builtins
@@ -290,7 +291,7 @@ _FRESH = const(25)  # in the work of a Screen: 1 when a box is looked for in a n
 
 
 @_wraps(_CONFIG, "params.config:Config.__init__")
-def _make_config(self, values=None):
+def _(self, values=None):
     enter()
     _originals[_CONFIG](self, values)
     leave(_CONFIG, 0, 0)
@@ -298,7 +299,7 @@ def _make_config(self, values=None):
 
 
 @_wraps(_AVOID, "avoid:Avoid.__init__")
-def _make_avoid(self, config):
+def _(self, config):
     enter()
     try:
         size = os.stat("tables.bin")[6]
@@ -312,7 +313,7 @@ def _make_avoid(self, config):
 
 
 @_wraps(_DRIVE, "actuation.drive:Drive.__init__")
-def _make_drive(self, steering, servo_chip, motor_left, motor_right, output_enable, config):
+def _(self, steering, servo_chip, motor_left, motor_right, output_enable, config):
     enter()
     _originals[_DRIVE](self, steering, servo_chip, motor_left, motor_right, output_enable, config)
     leave(_DRIVE, 0, 0)
@@ -320,7 +321,7 @@ def _make_drive(self, steering, servo_chip, motor_left, motor_right, output_enab
 
 
 @_wraps(_STEP, "robot:Robot.step")
-def _step(self):
+def _(self):
     enter()
     before = self.lidar.frames
     out = _originals[_STEP](self)
@@ -329,7 +330,7 @@ def _step(self):
 
 
 @_wraps(_ADVANCE, "perception.odometry:Odometry.advance")
-def _advance(self, now_us, drive):
+def _(self, now_us, drive):
     enter()
     before = self.now_us
     _originals[_ADVANCE](self, now_us, drive)
@@ -337,7 +338,7 @@ def _advance(self, now_us, drive):
 
 
 @_wraps(_POLL, "lidar:Lidar.poll")
-def _poll(self, now_us):
+def _(self, now_us):
     enter()
     before = taken_in
     out = _originals[_POLL](self, now_us)
@@ -346,7 +347,7 @@ def _poll(self, now_us):
 
 
 @_wraps(_INSERT, "perception.local_map:LocalMap.frame")
-def _insert(self, lidar, odometry):
+def _(self, lidar, odometry):
     enter()
     _originals[_INSERT](self, lidar, odometry)
     done()
@@ -354,7 +355,7 @@ def _insert(self, lidar, odometry):
 
 
 @_wraps(_VIEW, "perception.local_map:LocalMap.view")
-def _view(self, x, y, heading, bx, by, reach):
+def _(self, x, y, heading, bx, by, reach):
     enter()
     out = _originals[_VIEW](self, x, y, heading, bx, by, reach)
     done()
@@ -363,7 +364,7 @@ def _view(self, x, y, heading, bx, by, reach):
 
 
 @_wraps(_SORT, "perception.windows:Windows.sort")
-def _sort(self, px, py, n):
+def _(self, px, py, n):
     enter()
     out = _originals[_SORT](self, px, py, n)
     leave(_SORT, n, 0)
@@ -371,14 +372,14 @@ def _sort(self, px, py, n):
 
 
 @_wraps(_FRAME, "avoid:Avoid.frame")
-def _frame(self, lidar, odometry):
+def _(self, lidar, odometry):
     enter()
     _originals[_FRAME](self, lidar, odometry)
     leave(_FRAME, 0, 0)
 
 
 @_wraps(_GUARD, "avoid:Avoid.guard")
-def _guard(self, odometry, speed):
+def _(self, odometry, speed):
     enter()
     out = _originals[_GUARD](self, odometry, speed)
     mirrored = getattr(getattr(self, "plan", None), "mirroring", 0)  # to one side, to the back: the points are turned about for each
@@ -387,7 +388,7 @@ def _guard(self, odometry, speed):
 
 
 @_wraps(_DECIDE, "avoid:Avoid.step")
-def _decide(self, odometry):
+def _(self, odometry):
     enter()
     out = _originals[_DECIDE](self, odometry)
     leave(_DECIDE, 1 if out else 0, 0)
@@ -395,14 +396,14 @@ def _decide(self, odometry):
 
 
 @_wraps(_OBSERVE, "avoid:Avoid.observe")
-def _observe(self, odometry, why, af, ar, v):
+def _(self, odometry, why, af, ar, v):
     enter()
     _originals[_OBSERVE](self, odometry, why, af, ar, v)
     leave(_OBSERVE, 0, 0)
 
 
 @_wraps(_PREPARE, "planner.collision:CollisionCheck.prepare")
-def _prepare(self, n, near, stride, floor):
+def _(self, n, near, stride, floor):
     global _checked, _stride
     enter()
     _originals[_PREPARE](self, n, near, stride, floor)
@@ -412,7 +413,7 @@ def _prepare(self, n, near, stride, floor):
 
 
 @_wraps(_CHECK, "planner.collision:CollisionCheck.check")
-def _check(self, px, py, first, last, free, soft, block):
+def _(self, px, py, first, last, free, soft, block):
     global _tested
     enter()
     _originals[_CHECK](self, px, py, first, last, free, soft, block)
@@ -422,7 +423,7 @@ def _check(self, px, py, first, last, free, soft, block):
 
 
 @_wraps(_SCORE, "planner.move_cost:MoveCost.score")
-def _score(self, mirroring, free, soft, scores, first, last, stride, af, ar, extra):
+def _(self, mirroring, free, soft, scores, first, last, stride, af, ar, extra):
     enter()
     out = _originals[_SCORE](self, mirroring, free, soft, scores, first, last, stride, af, ar, extra)
     leave(_SCORE, (last - first + stride - 1) // stride, 0)
@@ -430,7 +431,7 @@ def _score(self, mirroring, free, soft, scores, first, last, stride, af, ar, ext
 
 
 @_wraps(_BOUNDS, "planner.move_cost:MoveCost.lower_bound")
-def _bounds(self, mirroring, free, scores, first, af, ar):
+def _(self, mirroring, free, scores, first, af, ar):
     enter()
     out = _originals[_BOUNDS](self, mirroring, free, scores, first, af, ar)
     leave(_BOUNDS, out - first, 0)
@@ -438,7 +439,7 @@ def _bounds(self, mirroring, free, scores, first, af, ar):
 
 
 @_wraps(_BEST_FIRST, "planner.move_cost:MoveCost.best_first")
-def _best_first(self, ways, free, scores, most):
+def _(self, ways, free, scores, most):
     enter()
     before = _tested
     out = _originals[_BEST_FIRST](self, ways, free, scores, most)
@@ -447,7 +448,7 @@ def _best_first(self, ways, free, scores, most):
 
 
 @_wraps(_CHOOSE_FIRST, "planner.two_step:TwoStep.choose_first")
-def _choose_first(self):
+def _(self):
     enter()
     out = _originals[_CHOOSE_FIRST](self)
     leave(_CHOOSE_FIRST, 0, 0)
@@ -455,7 +456,7 @@ def _choose_first(self):
 
 
 @_wraps(_TRY_SECOND, "planner.two_step:TwoStep.try_second")
-def _try_second(self):
+def _(self):
     enter()
     out = _originals[_TRY_SECOND](self)
     leave(_TRY_SECOND, self.ways.n, 0)
@@ -463,14 +464,14 @@ def _try_second(self):
 
 
 @_wraps(_FOLLOW, "planner.cost_to_go:CostToGo.follow")
-def _follow(self, odometry):
+def _(self, odometry):
     enter()
     _originals[_FOLLOW](self, odometry)
     leave(_FOLLOW, 0, 0)
 
 
 @_wraps(_COST_TO_GO, "planner.cost_to_go:CostToGo.step")
-def _cost_to_go(self, odometry, points):
+def _(self, odometry, points):
     global _slice, _closed
     enter()
     before = self.builds
@@ -488,7 +489,7 @@ def _cost_to_go(self, odometry, points):
 
 
 @_wraps(_COMMAND, "actuation.drive:Drive.command")
-def _command(self, af, ar, v):
+def _(self, af, ar, v):
     enter()
     out = _originals[_COMMAND](self, af, ar, v)
     leave(_COMMAND, 0, 0)
@@ -496,7 +497,7 @@ def _command(self, af, ar, v):
 
 
 @_wraps(_UPDATE, "actuation.drive:Drive.update")
-def _update(self, now_us):
+def _(self, now_us):
     enter()
     out = _originals[_UPDATE](self, now_us)
     leave(_UPDATE, 1 if out else 0, 0)
@@ -504,14 +505,14 @@ def _update(self, now_us):
 
 
 @_wraps(_STOP, "actuation.drive:Drive.stop")
-def _stop(self):
+def _(self):
     enter()
     _originals[_STOP](self)
     leave(_STOP, 0, 0)
 
 
 @_wraps(_SOLVE, "steering:Steering.solve")
-def _solve(self, af, ar):
+def _(self, af, ar):
     enter()
     out = _originals[_SOLVE](self, af, ar)
     leave(_SOLVE, 0, 0)
@@ -519,7 +520,7 @@ def _solve(self, af, ar):
 
 
 @_wraps(_OUTPUTS, "actuation.outputs:Outputs.write")
-def _outputs(self, angles, shares, v256):
+def _(self, angles, shares, v256):
     enter()
     out = _originals[_OUTPUTS](self, angles, shares, v256)
     leave(_OUTPUTS, 1 if v256 else 0, 0)
@@ -527,7 +528,7 @@ def _outputs(self, angles, shares, v256):
 
 
 @_wraps(_HEALTH, "safety.health:Health.check")
-def _health(self, now_us):
+def _(self, now_us):
     enter()
     out = _originals[_HEALTH](self, now_us)
     leave(_HEALTH, 0, 0)
@@ -535,28 +536,28 @@ def _health(self, now_us):
 
 
 @_wraps(_LINK_FRAME, "link.link:Link.frame")
-def _link_frame(self, lidar):
+def _(self, lidar):
     enter()
     _originals[_LINK_FRAME](self, lidar)
     leave(_LINK_FRAME, 0, 0)
 
 
 @_wraps(_LINK, "link.link:Link.update")
-def _link(self, now_us, robot):
+def _(self, now_us, robot):
     enter()
     _originals[_LINK](self, now_us, robot)
     leave(_LINK, _idle, 0)
 
 
 @_wraps(_SEAL, "link.telemetry:Encoder.seal")
-def _seal(self, length):
+def _(self, length):
     enter()
     _originals[_SEAL](self, length)
     leave(_SEAL, length, 0)
 
 
 @_wraps(_LINE, "link.serial_line:SerialLine.go_on")
-def _line(self):
+def _(self):
     enter()
     written = _originals[_LINE](self)
     leave(_LINE, 1 if written else 0, written)
@@ -566,7 +567,7 @@ def _line(self):
 
 
 @_wraps(_TAKE, "link.serial_line:SerialLine.take")
-def _take(self, now_us):
+def _(self, now_us):
     global _read
     enter()
     _read = 0
@@ -576,7 +577,7 @@ def _take(self, now_us):
 
 
 @_wraps(_SCREEN, "link.screen:Screen.update")
-def _screen(self, now_us, robot, link):
+def _(self, now_us, robot, link):
     enter()
     before = given_out
     _originals[_SCREEN](self, now_us, robot, link)
@@ -584,7 +585,7 @@ def _screen(self, now_us, robot, link):
 
 
 @_wraps(_BUILD, "core.start:build")
-def _build(note=None, path="robot.json"):
+def _(note=None, path="robot.json"):
     enter()
     out = _originals[_BUILD](note, path)
     leave(_BUILD, 0, 0)
@@ -593,7 +594,7 @@ def _build(note=None, path="robot.json"):
 
 
 @_wraps(_SORT_NEAR, "perception.windows:Windows.sort_near")
-def _sort_near(self, px, py, n):
+def _(self, px, py, n):
     enter()
     out = _originals[_SORT_NEAR](self, px, py, n)
     leave(_SORT_NEAR, n, 0)
@@ -601,7 +602,7 @@ def _sort_near(self, px, py, n):
 
 
 @_wraps(_IDLE, "link.serial_line:SerialLine.idle")
-def _is_idle(self):
+def _(self):
     global _idle
     enter()
     out = _originals[_IDLE](self)
@@ -611,7 +612,7 @@ def _is_idle(self):
 
 
 @_wraps(_ADD, "link.telemetry:Decoder.add")
-def _add_byte(self, byte):
+def _(self, byte):
     global _read
     enter()
     _read += 1
@@ -621,7 +622,7 @@ def _add_byte(self, byte):
 
 
 @_wraps(_WHOLE, "link.telemetry:Decoder.take")
-def _whole(self):
+def _(self):
     enter()
     out = _originals[_WHOLE](self)
     leave(_WHOLE, self.end if out else 0, 0)
@@ -629,7 +630,7 @@ def _whole(self):
 
 
 @_wraps(_OBEY, "link.commands:Commands.obey")
-def _obey(self, line, now_us, robot):
+def _(self, line, now_us, robot):
     enter()
     out = _originals[_OBEY](self, line, now_us, robot)
     leave(_OBEY, 0, 0)
@@ -637,7 +638,7 @@ def _obey(self, line, now_us, robot):
 
 
 @_wraps(_TEXT, "link.messages:text")
-def _text(kind, data, before, what):
+def _(kind, data, before, what):
     enter()
     out = _originals[_TEXT](kind, data, before, what)
     leave(_TEXT, len(what), 0)
@@ -645,7 +646,7 @@ def _text(kind, data, before, what):
 
 
 @_wraps(_DECISION, "link.messages:decision")
-def _decision(data, avoid, state, now_us, took_us):
+def _(data, avoid, state, now_us, took_us):
     enter()
     out = _originals[_DECISION](data, avoid, state, now_us, took_us)
     leave(_DECISION, 0, 0)
@@ -653,7 +654,7 @@ def _decision(data, avoid, state, now_us, took_us):
 
 
 @_wraps(_WHEELS, "link.messages:wheels")
-def _wheels(data, drive, now_us):
+def _(data, drive, now_us):
     enter()
     out = _originals[_WHEELS](data, drive, now_us)
     leave(_WHEELS, 0, 0)
@@ -661,7 +662,7 @@ def _wheels(data, drive, now_us):
 
 
 @_wraps(_POINTS, "link.messages:points")
-def _points(data, avoid, now_us):
+def _(data, avoid, now_us):
     enter()
     out = _originals[_POINTS](data, avoid, now_us)
     leave(_POINTS, out, 0)
@@ -669,7 +670,7 @@ def _points(data, avoid, now_us):
 
 
 @_wraps(_TOLD_HEALTH, "link.messages:health")
-def _told_health(data, robot, dropped, refused, radio):
+def _(data, robot, dropped, refused, radio):
     enter()
     out = _originals[_TOLD_HEALTH](data, robot, dropped, refused, radio)
     leave(_TOLD_HEALTH, 0, 0)
@@ -677,7 +678,7 @@ def _told_health(data, robot, dropped, refused, radio):
 
 
 @_wraps(_CANDIDATES, "link.watched:candidates")
-def _candidates(data, avoid, mirroring, now_us):
+def _(data, avoid, mirroring, now_us):
     enter()
     out = _originals[_CANDIDATES](data, avoid, mirroring, now_us)
     leave(_CANDIDATES, out, 0)
@@ -685,7 +686,7 @@ def _candidates(data, avoid, mirroring, now_us):
 
 
 @_wraps(_SCAN, "link.watched:ScanGatherer.take")
-def _scan(self, data):
+def _(self, data):
     enter()
     out = _originals[_SCAN](self, data)
     leave(_SCAN, out, 0)
@@ -693,14 +694,14 @@ def _scan(self, data):
 
 
 @_wraps(_GATHER, "link.watched:ScanGatherer.add")
-def _gather(self, lidar):
+def _(self, lidar):
     enter()
     _originals[_GATHER](self, lidar)
     leave(_GATHER, lidar.n, 0)
 
 
 @_wraps(_LINE_CHECK, "link.screen:crc16")
-def _line_check(data, start, end):
+def _(data, start, end):
     enter()
     out = _originals[_LINE_CHECK](data, start, end)
     leave(_LINE_CHECK, end - start, 0)
@@ -708,14 +709,14 @@ def _line_check(data, start, end):
 
 
 @_wraps(_TRUST, "perception.scan_trust:ScanTrust.frame")
-def _trust(self, lidar, odometry, v256):
+def _(self, lidar, odometry, v256):
     enter()
     _originals[_TRUST](self, lidar, odometry, v256)
     leave(_TRUST, lidar.n, 0)
 
 
 @_wraps(_SAFETY, "safety.safety:Safety.check")
-def _safety(self, now_us):
+def _(self, now_us):
     enter()
     out = _originals[_SAFETY](self, now_us)
     leave(_SAFETY, 0, 0)
@@ -723,7 +724,7 @@ def _safety(self, now_us):
 
 
 @_wraps(_GOAL_FRAME, "goal.layer:Goal.frame")
-def _goal_frame(self, lidar, odometry):
+def _(self, lidar, odometry):
     enter()
     before = self.numbers[7]
     _originals[_GOAL_FRAME](self, lidar, odometry)
@@ -731,7 +732,7 @@ def _goal_frame(self, lidar, odometry):
 
 
 @_wraps(_GOAL_STEP, "goal.layer:Goal.step")
-def _goal_step(self, odometry, points):
+def _(self, odometry, points):
     enter()
     n = self.numbers
     stage, search = n[43], n[44]
@@ -750,7 +751,7 @@ def _goal_step(self, odometry, points):
 
 
 @_wraps(_COMPOSE, "link.screen:Screen._compose")
-def _compose(self, line, robot, link):
+def _(self, line, robot, link):
     enter()
     out = _originals[_COMPOSE](self, line, robot, link)
     leave(_COMPOSE, 0, 0)
@@ -758,7 +759,7 @@ def _compose(self, line, robot, link):
 
 
 @_wraps(_DRAW, "link.screen:Screen._draw")
-def _draw(self, now_us, robot):
+def _(self, now_us, robot):
     global _boxes
     enter()
     _boxes = 0
@@ -768,7 +769,7 @@ def _draw(self, now_us, robot):
 
 
 @_wraps(_EMIT, "link.screen:emit")
-def _emit(command, at, texts, ends, number, work):
+def _(command, at, texts, ends, number, work):
     enter()
     begin = work[0] if number < 0 else at
     out = _originals[_EMIT](command, at, texts, ends, number, work)
@@ -777,7 +778,7 @@ def _emit(command, at, texts, ends, number, work):
 
 
 @_wraps(_BOX, "link.screen:box")
-def _box(cells, work, px, py, windows, count):
+def _(cells, work, px, py, windows, count):
     global _boxes
     enter()
     _boxes += 1
@@ -788,14 +789,14 @@ def _box(cells, work, px, py, windows, count):
 
 
 @_wraps(_WAY, "link.screen:way")
-def _way(cells, work, vx, vy, w, span, v):
+def _(cells, work, vx, vy, w, span, v):
     enter()
     _originals[_WAY](cells, work, vx, vy, w, span, v)
     leave(_WAY, 0, 0)
 
 
 @_wraps(_HEAR, "link.screen:hear")
-def _hear(cells, work, data, count):
+def _(cells, work, data, count):
     enter()
     out = _originals[_HEAR](cells, work, data, count)
     leave(_HEAR, count, 0)
