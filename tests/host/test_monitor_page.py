@@ -3,7 +3,6 @@
 import re
 import time
 
-import pytest
 from open_page import ROOT, needs_browser
 
 from host import recording
@@ -122,65 +121,6 @@ def test_it_fits_a_phone(monitor):
         page.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
-GEOMETRY = """
-const done = arguments[arguments.length - 1], [cases] = arguments;
-import("/geometry.js").then((g) => {
-  const body = g.bodyOf({});
-  done(cases.map(([af, ar]) => {
-    const t = g.twist(body, af, ar);
-    const angles = g.wheels(body).map((p) => Math.atan2(t.vx + t.w * p.y, t.vy - t.w * p.x) * 180 / Math.PI);
-    // The way in closed form against ten thousand small steps.
-    let at = { x: 0, y: 0, heading: 0 };
-    for (let i = 0; i < 10000; i++) {
-      const s = Math.sin(at.heading), c = Math.cos(at.heading), d = 0.07;
-      at = { x: at.x + (t.vx * c + t.vy * s) * d, y: at.y + (t.vy * c - t.vx * s) * d, heading: at.heading + t.w * d };
-    }
-    const end = g.pose(t, 700);
-    return { angles, error: Math.hypot(end.x - at.x, end.y - at.y), turn: Math.abs(end.heading - at.heading) };
-  }));
-});
-"""
-
-
-def test_the_page_s_geometry_is_the_robot_s(monitor):
-    """Wheel angles against the firmware's steering; swept ways against small steps."""
-    from core.axles import lay_out
-    from link import protocol  # noqa: F401  makes sure that the firmware's modules can be imported
-    from steering import Steering
-
-    page = monitor("twin:z?width=620")
-    steering = Steering(lay_out([115, 150, 117, 115], 230, 248.5))
-    cases = [(60, -60), (-30, 12), (0, -40), (35, 0), (50, 50), (25, 10), (90, -90)]
-    found = page.browser.execute_async_script(GEOMETRY, cases)
-    for (af, ar), one in zip(cases, found, strict=True):
-        assert steering.solve(af * 10, ar * 10)
-        for k, angle in enumerate(one["angles"]):
-            # A wheel that would turn by more than 90 degrees is turned the other way round and reversed.
-            apart = (angle - steering.angles[k] / 10 + 90) % 180 - 90
-            assert abs(apart) < 0.15, (af, ar, k)
-        assert one["error"] < 0.5 and one["turn"] < 1e-3
-    assert found[0]["angles"][0] == pytest.approx(43.87, abs=0.01) and found[0]["angles"][1] == pytest.approx(83.46, abs=0.01)
-
-
-MOTION = """
-const done = arguments[arguments.length - 1], wrap = 2 ** 30 / 1e6;
-import("/motion.js").then(({ Motion }) => {
-  const motion = new Motion();
-  const before = motion.from(5)(3, 4);
-  motion.note({ time: wrap - 0.5, x: 0, y: 0, heading: 350 });
-  motion.note({ time: 0.5, x: 100, y: 200, heading: 90 });
-  done([before, motion.from(wrap - 0.5)(0, 1000), motion.from(0)(0, 0), motion.from(0.5)(7, 8), motion.from(wrap - 5)(1, 2)]);
-});
-"""
-
-
-def test_what_was_seen_moves_with_the_robot(monitor):
-    page = monitor("twin:z?width=620")
-    found = [(round(one["x"]), round(one["y"])) for one in page.browser.execute_async_script(MOTION)]
-    # Nothing known, seen across the clock's wrap, half way between two poses, just now, too long ago.
-    assert found == [(3, 4), (-785, -274), (100, -50), (7, 8), (1, 2)]
-
-
 def test_a_gamepad_drives(monitor):
     page = monitor("twin:random?seed=3")
     assert page.until(lambda: page.speeds())
@@ -199,23 +139,6 @@ def test_a_gamepad_drives(monitor):
     assert page.until(lambda: page.browser.find_elements("css selector", "#modes [aria-checked=true]")[0].text.startswith("2"))
     page.browser.execute_script("window.pad.axes = [0, 0]; window.pad.buttons[0].pressed = true")
     assert page.until(lambda: page.text("state") == "stopped")
-
-
-@pytest.mark.parametrize(
-    "pad",
-    (
-        "{id: 'motion sensors, gravity on an axis', axes: [0.02, -0.98], buttons: []}",
-        "{id: 'wheel, pedals at rest', axes: [0, 1], buttons: []}",
-        "{id: 'start held since before the page', axes: [0, 0], buttons: Array.from({length: 10}, (_, k) => ({pressed: k === 9}))}",
-    ),
-)
-def test_a_pad_that_nobody_touches_drives_nothing(monitor, pad):
-    page = monitor("twin:random?seed=3")
-    assert page.until(lambda: page.speeds())
-    page.click("stop")
-    assert page.until(lambda: page.text("state") == "stopped")
-    page.browser.execute_script(f'Object.defineProperty(navigator, "getGamepads", {{value: () => [{pad}]}})')
-    assert not page.until(lambda: page.text("state") != "stopped", 2)
 
 
 def test_a_speed_set_by_key_springs_back_when_the_key_is_let_go(monitor):

@@ -40,7 +40,7 @@ export class Beside {
     if (!other) return;
     get("beside-name").textContent = `${other.name}${other.text ? `: ${other.text}` : ""}`;
     // Both begin with their first decision: how long each had been recorded before does not matter.
-    const late = other.track.length && run?.decisions.length && other.decisions.length ? run.decisions[0].at - other.decisions[0].at : 0;
+    const late = other.track.length && other.decisions.length ? (run?.decisions[0]?.at ?? 0) - other.decisions[0].at : 0;
     const moved = (rows) => rows.map((row) => ({ ...row, at: row.at + late }));
     this.charts.other = moved(other.decisions);
     const track = run?.track.length && other.frame !== run.frame ? laid(other.track, run.track[0]) : other.track;

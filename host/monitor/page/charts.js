@@ -138,7 +138,8 @@ export class Charts {
   strip(pen, strip, top, bottom, x, from) {
     const rows = this.seen(this.rows, from), others = this.seen(this.other || [], from);
     const middle = strip.middle ?? 0;
-    const most = Math.max(0, ...[...rows, ...others].flatMap((row) => strip.lines.map(([, of]) => Math.abs(of(row) - middle))));
+    let most = 0;
+    for (const some of [rows, others]) for (const row of some) for (const [, of] of strip.lines) most = Math.max(most, Math.abs(of(row) - middle));
     const high = strip.high.find((one) => one >= most) ?? strip.high[strip.high.length - 1];
     const low = strip.both ? middle - high : middle;
     const y = (value) => bottom - (Math.min(Math.max(value, low), middle + high) - low) / (middle + high - low) * (bottom - top);
@@ -226,12 +227,16 @@ export class Charts {
   }
 }
 
-// A decision holds until the next.
+// A decision holds until the next; what would not be seen, because nothing changes within a pixel, is left out.
 function stairs(rows, of, x, y) {
   const out = [];
+  let last = null;
   rows.forEach((row, k) => {
-    if (k) out.push({ x: x(row.at), y: y(of(rows[k - 1])) });
-    out.push({ x: x(row.at), y: y(of(row)) });
+    const at = { x: x(row.at), y: y(of(row)) };
+    if (last && k < rows.length - 1 && at.x - last.x < 1 && Math.abs(at.y - last.y) < 0.5) return;
+    if (last) out.push({ x: at.x, y: last.y });
+    out.push(at);
+    last = at;
   });
   return out;
 }
