@@ -28,7 +28,7 @@ REASONS = (
     "",
     "been here before, trying another way",
     "something new in the way, stopped",
-    "waiting for a start: page, screen, or stop button held a second",
+    "waiting for a start: page, screen, or button held a second",
     "waiting for a goal on its map",
     "at its goal",
     "alarm: the goal cannot be reached",
@@ -47,7 +47,7 @@ FAULTS = (
     "out of memory: see the log",
     "a PWM chip was lost three times: look for dips of its supply",
     "part of the program failed: see the log",
-    "part of the program hung, the watchdog restarted it: see the log",
+    "part of the program hung and was restarted: see the log",
     "no steering within the wheels' limits: see the log",
     "what the lidar sees cannot be trusted: look at it",
     "nothing moves: held, or no power",
@@ -63,6 +63,6 @@ def names(data):
     for texts in (REASONS, FAULTS):
         for what in texts:
             length = messages.text(_NAMES, data, length, (between + json.dumps(what)).encode())
-            between = ", "
+            between = ","  # a frame has room for all, but not for much more
         between = '], "faults": ['
     return messages.text(_NAMES, data, length, b"]}")
