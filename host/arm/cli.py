@@ -92,6 +92,22 @@ def _on_robot(options, word) -> int:
     return DONE
 
 
+def _demo(options) -> int:
+    from . import demo
+
+    return demo.run(options.out, options.scene, options.seed, options.json)
+
+
+def _draw(options) -> int:
+    from . import picture
+
+    found = reach.read(options.file)
+    animated = options.picture.endswith((".gif", ".apng"))
+    (picture.animate if animated else picture.draw)(found, options.picture)
+    print(f"written: {options.picture}")
+    return DONE
+
+
 def _numbers(count, what, more=0):
     def parse(text):
         try:
@@ -152,6 +168,16 @@ def _parser():
     one.set_defaults(run=_home)
     one.add_argument("address", metavar="ADDRESS")
     one.add_argument("--arm", metavar="FILE|NAME", help="for a twin: its arm")
+    one.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    one = words.add_parser("draw", help="draw a trajectory (.png, .svg, .pdf), or animate it (.gif)")
+    one.set_defaults(run=_draw)
+    one.add_argument("file", metavar="reach.json")
+    one.add_argument("picture", metavar="PICTURE")
+    one = words.add_parser("demo", help="plan the paper's experiment II, play it on the firmware in the twin, draw and animate it")
+    one.set_defaults(run=_demo)
+    one.add_argument("--scene", choices=sorted(scenes.SCENES), default="paper-2")
+    one.add_argument("--seed", type=_whole(0, 2**31 - 1), default=0, metavar="N")
+    one.add_argument("--out", default="out/arm", metavar="FOLDER", help="where the files go (default out/arm)")
     one.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
     return parser
 

@@ -7,6 +7,7 @@ Start, node and end are enough for what this planner makes, as its polynomials a
 polynomials of 3rd degree), and speeds (then slopes between the neighbours, rest at both ends). extra_deg: of the joints beside the plane, at rest in each point.
 """
 
+import copy
 import json
 import math
 from dataclasses import dataclass
@@ -90,7 +91,13 @@ def as_dict(reach: Reach) -> dict:
         if reach.extra.shape[1]:
             point["extra_deg"] = [round(float(v), 3) for v in reach.extra[k]]
         points.append(point)
-    return {"format": FORMAT, **reach.told, "arm": reach.arm.source, "obstacles": [scenes.as_file(one) for one in reach.obstacles], "points": points}
+    return {
+        "format": FORMAT,
+        **reach.told,
+        "arm": copy.deepcopy(reach.arm.source),
+        "obstacles": [scenes.as_file(one) for one in reach.obstacles],
+        "points": points,
+    }
 
 
 def _degrees(values):

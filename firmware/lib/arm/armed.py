@@ -71,6 +71,8 @@ class Armed(Outputs):
             self.state = _HOLDS
             self.why = why
             self._close()
+            if why != _HELD:
+                self.link.log(1, "the arm is frozen where it was")
 
     def off(self):
         """Everything off, for good."""
@@ -81,7 +83,7 @@ class Armed(Outputs):
 
     def stop(self):
         """What the link's stop does now."""
-        self.freeze(_HELD)
+        self.freeze(_FAULT if self.link.safety.fault else _HELD)
         Link.stop(self.link)
 
     def again(self, data, now_us, robot):
@@ -130,7 +132,6 @@ class Armed(Outputs):
             why = _LINK
         if why:
             self.freeze(why)
-            self.link.log(1, "the arm is frozen where it was")
             return
         while not self._between(ticks_diff(now, self.began_us)):
             self.began_us = ticks_add(self.began_us, self.after[0] * 1000)
