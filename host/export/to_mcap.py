@@ -6,7 +6,8 @@
     /odometry      foxglove.PoseInFrame      where it thought it was, in the frame `odometry`
     /tf            foxglove.FrameTransform   one tree: world -> odometry -> body; world is left out where the true pose is not known
     /points        foxglove.PointCloud       the points of the windows, each in its window's colour
-    /scene         foxglove.SceneUpdate      the body, its wheels as they are turned, and the walls of a course of the twin
+    /scene         foxglove.SceneUpdate      the body, its windows, its wheels as they are turned, the steering that was chosen as far as it is free, and the
+                                             walls of a course of the twin
     /decision      gapseeker.decision        JSON, for plots: af, ar (deg), v, window, zone, free (mm), why in words, ...
     /wheels        gapseeker.wheels          JSON: ten angles (deg) and speeds (mm/s)
     /health        gapseeker.health          JSON
@@ -20,9 +21,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from host.recording import Reader, Stream
+from params import schema
 from params.values import ConfigError
 
-from . import frames, shapes
+from . import frames, plan, shapes
 from .scans import Scan, ScanReader, evenly
 from .timeline import timeline, word
 from .topics import Topics
@@ -41,6 +43,8 @@ class Exporter:
         self._true: tuple[float, float, float] | None = None  # the latest true pose, and the latest believed one
         self._believed: tuple[float, float, float] | None = None
         self._places = wheel_places(robot.get("axles", {}))
+        self._margins = margins(robot)
+        self._size = 0.0, 0.0
         self._takers: dict[str, Callable] = {
             "truth": self._truth, "pose": self._odometry, "points": self._points, "scan": self._told_scan, "decision": self._decision,
             "wheels": self._wheels, "health": self._numbers, "event": self._event, "text": self._event, "log": self._log,
@@ -60,7 +64,9 @@ class Exporter:
 
     def body(self, moment: float, width: float, length: float) -> None:
         """The size of the body, mm."""
+        self._size = width, length
         self._topics.write("/scene", moment, shapes.body(width, length))
+        self._topics.write("/scene", moment, shapes.windows(width, length, self._margins(length)))
 
     def _truth(self, moment, message):
         self._true = where = message["x"], message["y"], message["heading"]
@@ -82,11 +88,17 @@ class Exporter:
         self._topics.write("/points", moment, shapes.points(message["x"], message["y"], message["window"]))
 
     def _told_scan(self, moment, message):
-        self.scan(moment, Scan(message["bearings"], message["distances"], [0] * len(message["bearings"])))
+        times = message.get("times") or [0.0]
+        turn = times[-1] - times[0]  # the robot's clock wraps: then it is not known how long the turn took
+        self.scan(moment - turn / 2 if 0 < turn < 1 else moment, Scan(message["bearings"], message["distances"], [0] * len(message["bearings"])))
 
     def _decision(self, moment, message):
         number = message["why"]
         self._topics.write_json("decision", moment, {**message, "why": word(self._reasons, number), "why_number": number})
+        if self._places and self._size[0]:
+            span = self._places[0][1] - self._places[-1][1]
+            way = plan.way(message["af"], message["ar"], message["v"], message["free"], span)
+            self._topics.write("/scene", moment, shapes.plan(way, *self._size))
 
     def _numbers(self, moment, message):
         self._topics.write_json(message["type"], moment, message)
@@ -128,6 +140,18 @@ def wheel_places(axles: dict) -> list[tuple[float, float]]:
         y -= spacing
         places += [(-track / 2, y), (track / 2, y)]
     return places
+
+
+def margins(robot: dict) -> Callable[[float], dict[str, tuple[float, float]]]:
+    """The windows' margins (mm beside, mm ahead and behind) for a body's length; what robot.json does not say has its default."""
+    given = robot.get("windows", {})
+
+    def found(length):
+        values = {row[0]: row[2] for row in schema.rows(schema.LIVE)}
+        red, blue, side, ahead = (given.get(name, values[f"windows.{name}"]) for name in ("red", "blue", "side", "look_ahead"))
+        return {"red": (red, red), "blue": (blue, blue), "yellow": (side, length * 3 // 2 if ahead is None else ahead)}
+
+    return found
 
 
 def export(reader: Reader, target: Path, lacks: list[str] | None = None) -> int:

@@ -133,9 +133,9 @@ def test_decisions(exported):
 def test_window_points(exported):
     ((_, schema, cloud),) = exported["/points"]
     assert schema == "foxglove.PointCloud"
-    assert list(struct.iter_unpack("<ff4B", cloud.data)) == [
-        (pytest.approx(0.3), pytest.approx(0.125), 230, 50, 50, 255),
-        (pytest.approx(0.0), pytest.approx(-1.0), 240, 200, 40, 255),
+    assert list(struct.iter_unpack("<ff5B3x", cloud.data)) == [
+        (pytest.approx(0.3), pytest.approx(0.125), 230, 50, 50, 255, 2),
+        (pytest.approx(0.0), pytest.approx(-1.0), 240, 200, 40, 255, 4),
     ]
     assert [(field.name, field.offset) for field in cloud.fields][:2] == [("x", 0), ("y", 4)]
 
@@ -150,6 +150,90 @@ def test_scene_shows_body_and_walls(exported):
     size = entities["body"].cubes[0].size
     assert (entities["body"].frame_id, size.x, size.y) == ("body", pytest.approx(0.6), pytest.approx(0.25))
     assert entities["walls"].frame_id == "world" and len(entities["walls"].lines[0].points) >= 8
+
+
+def test_the_scene_has_the_windows_and_the_plan(tmp_path):
+    from host.export import plan, shapes
+    from host.export.to_mcap import margins
+
+    (edges,) = shapes.windows(250, 600, margins({"windows": {"red": 30}})(600)).entities
+    red, blue, yellow = ({(round(point.x, 3), round(point.y, 3)) for point in line.points} for line in edges.lines)
+    assert edges.frame_id == "body" and (0.33, 0.155) in red and (0.345, 0.17) in blue and (1.2, 0.425) in yellow
+    (shown,) = shapes.plan(plan.way(0, 0, 120, 500, 497), 250, 600).entities
+    way, outline = shown.lines
+    assert (way.points[-1].x, way.points[-1].y) == pytest.approx((0.5, 0))
+    assert max(point.x for point in outline.points) == pytest.approx(0.8)
+    (gone,) = shapes.plan(plan.way(0, 0, 90, 500, 497), 250, 600).entities
+    assert gone.id == shown.id and not gone.lines
+
+
+def test_the_plan_is_the_firmware_s_motion():
+    """Against the firmware's own steering, in small steps: left, right, crab, spin, backward."""
+    from core.axles import lay_out
+    from host.export import plan
+    from steering import Steering
+
+    spacings = (115, 150, 117, 115)
+    span = sum(spacings)
+    solved = Steering(lay_out(spacings, 230))
+    for af, ar, v in ((30, -20, 120), (-38, 10, 120), (60, 60, 120), (90, -90, 120), (-90, 90, 60), (90, 90, 120), (0, 25, 60)):
+        solved.solve(af * 10, ar * 10)
+        vx, vy, w = solved.vx, solved.vy, 2 * solved.w / span
+        x, y, heading = plan.way(af, ar, v, 20, span)[-1]
+        sign = 1 if v > 90 else -1
+        speed = max((vx * vx + vy * vy) ** 0.5, abs(w) * span / 2)
+        assert (x, y) == pytest.approx((sign * 20 * vx / speed, sign * 20 * vy / speed), abs=0.6), (af, ar)
+        assert heading == pytest.approx(degrees(sign * 20 * w / speed), abs=0.1), (af, ar)
+
+
+def test_the_layout_asks_for_topics_that_are_there(exported):
+    from pathlib import Path
+
+    layout = json.loads((Path(command_line.__file__).parent / "foxglove.json").read_text())
+    panels = layout["configById"]
+    asked = set(panels["3D!map"]["topics"])
+    for panel in panels.values():
+        asked.update("/" + path["value"].split(".")[0].strip("/") for path in panel.get("paths", ()))
+        asked.update([panel["topicPath"]] if "topicPath" in panel else ())
+    assert asked - {"/wheels"} <= set(exported)  # this recording's robot told nothing of its wheels
+    placed = json.dumps(layout["layout"])
+    assert all(name in placed for name in panels)
+
+
+def test_scans_of_a_run_lie_on_the_walls_while_it_turns(tmp_path):
+    """Placed by the file's own frames at their stamps."""
+    make_reader = pytest.importorskip("mcap.reader", reason="needs the extra [export]").make_reader
+    factory = pytest.importorskip("mcap_protobuf.decoder", reason="needs the extra [export]").DecoderFactory
+    import numpy as np
+
+    from host.twin import courses, run
+
+    run("Z", width=600, limit_s=18, record=tmp_path / "z.rec")
+    assert command_line.main([str(tmp_path / "z.rec"), str(tmp_path / "z.mcap")]) in (0, 1)
+    found, poses = [], []
+    with open(tmp_path / "z.mcap", "rb") as file:
+        for _, channel, message, told in make_reader(file, decoder_factories=[factory()]).iter_decoded_messages(topics=["/scan", "/pose"]):
+            if channel.topic == "/scan":
+                found.append((message.log_time / 1e9, told.start_angle, told.end_angle, np.array(told.ranges)))
+            else:
+                turn = 2 * np.arctan2(told.pose.orientation.z, told.pose.orientation.w)
+                poses.append((message.log_time / 1e9, told.pose.position.x, told.pose.position.y, turn))
+    poses = np.array(poses)
+    poses[:, 3] = np.unwrap(poses[:, 3])
+    walls = courses.make("Z", 600).segments / 1000
+    off = []
+    for time, first, last, ranges in found:
+        x, y, heading = (np.interp(time, poses[:, 0], poses[:, i]) for i in (1, 2, 3))
+        before, after = (np.interp(time + d, poses[:, 0], poses[:, 3]) for d in (-0.05, 0.05))
+        if abs(after - before) < 0.02:
+            continue
+        angle = np.linspace(first, last, len(ranges))[np.isfinite(ranges)] + heading
+        beam = ranges[np.isfinite(ranges)]
+        places = np.stack([x + beam * np.cos(angle), y + beam * np.sin(angle)], 1)
+        start, side = walls[:, :2], walls[:, 2:] - walls[:, :2]
+        along = np.clip(((places[:, None] - start) * side).sum(2) / (side * side).sum(1), 0, 1)
+        off.append(np.hypot(*(places[:, None] - start - along[..., None] * side).transpose(2, 0, 1)).min(1).mean() * 1000)
+    assert len(off) > 10 and np.mean(off) < 8, np.mean(off)  # 12.8 mm at their end, about 6 in their middle
 
 
 def test_the_file_says_where_it_comes_from(exported):
