@@ -25,7 +25,7 @@ _SHOWN = 11  # poses of the arm
 def draw(reach: Reach, path: str | Path, played=None, title: str = "") -> None:
     """Draw into a file (.png, .svg or .pdf). played: rehearse.Played, what the firmware in the twin made of it. ArmError if it cannot be written."""
     figure = pyplot.figure(figsize=(11, 9.2), layout="constrained")
-    parts = figure.subfigures(2, 1, height_ratios=(1.1, 1))
+    parts = np.array(figure.subfigures(2, 1, height_ratios=(1.1, 1)))
     axes = parts[0].subplots()
     _scene(axes, reach)
     when = np.linspace(0, reach.total, _SHOWN)
@@ -77,7 +77,7 @@ def animate(reach: Reach, path: str | Path, played=None, frames: int = 60) -> No
 
     made = FuncAnimation(figure, show, frames=len(when), blit=True)
     try:
-        made.save(str(path), writer=PillowWriter(fps=max(frames / reach.total, 5)), dpi=80)
+        made.save(str(path), writer=PillowWriter(fps=max(round(frames / reach.total), 5)), dpi=80)
     except (OSError, ValueError) as error:
         raise ArmError(f"{path}: cannot be written: {error}") from None
     finally:
