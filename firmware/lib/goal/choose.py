@@ -8,7 +8,7 @@ def choose(goal, number):
     if goal.method is not None:
         goal.method.end()
         goal.method = None
-        unload("goal.gap", "goal.field", "goal.behaviour")
+        unload("goal.gap", "goal.field", "goal.behaviour", "goal.reactive")
     if number == 0:
         from goal.gap import Gap as method
     elif number == 1:

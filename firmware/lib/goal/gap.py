@@ -17,7 +17,7 @@ class Gap:
     def __init__(self, avoid):
         self._cost_to_go = avoid.decision.cost_to_go
         self._cost_to_go.goal = self
-        self.near = False
+        self.near = self.searches = False
         self.x = self.y = 0
 
     def begin(self):

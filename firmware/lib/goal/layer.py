@@ -45,6 +45,7 @@ _DONE = const(59)
 _TELL = const(60)  # messages told, and the cell to tell next, -1 the map's head
 _LOOKED = const(61)
 _PART = const(62)
+_CHANGED = const(65)  # the way was searched because something had changed: it may be longer now
 
 _STATE = const(0)  # places in told
 _ALARM = const(1)
@@ -149,6 +150,7 @@ class Goal:
             n[_SEARCH] = 3
             if n[_DUE] or ticks_diff(n[_NOW_US], n[_PLANNED_US]) > _AGAIN_US:
                 told[_SEARCHES] += n[_DUE]
+                n[_CHANGED] = n[_DUE]
                 n[_PLANNED_US] = n[_NOW_US]
                 n[_DUE] = n[_SEARCH] = 0
         elif stage == 3:
@@ -303,7 +305,8 @@ class Goal:
         if abs(told[_GOAL_X] - x) < _THERE and abs(told[_GOAL_Y] - y) < _THERE:
             return self._there()
         length = told[_LENGTH]
-        if 0 <= length < n[_SHORTEST] - 4:
+        if 0 <= length < n[_SHORTEST] - 4 or n[_CHANGED] and length > n[_SHORTEST]:
+            n[_CHANGED] = 0
             n[_SHORTEST] = length
             n[_GAINED_US] = n[_NOW_US]
         elif ticks_diff(n[_NOW_US], n[_GAINED_US]) > _PATIENCE_US:
@@ -327,6 +330,7 @@ class Goal:
             route.beside(self, through, n[_SIGN] * _BEYOND)
         told[_STEER_X] = self.x
         told[_STEER_Y] = self.y
+        self.method.searches = through >= 0
         # Seen from the robot, on the odometry's floor
         s = sin14(-n[_TURN] // 100)
         c = cos14(-n[_TURN] // 100)

@@ -22,6 +22,7 @@ _LEAST = const(57)
 _LINE = const(63)
 _MASK = const(58)  # of a door being measured: strips that have a point, and how many points have been looked at
 _DONE = const(59)
+_RIGHT = const(64)  # ... of its right half
 _SPARE = const(15)  # mm kept free in a door beyond what is least
 _POINTS = const(90)  # in a slice
 
@@ -37,7 +38,7 @@ _CLOSED = const(0x8000)
 _SIDE = const(130)  # mm to each side that a line of sight has to be free: half the body's width and a little
 _CORNER = const(350)  # mm: a corner nearer than that is passed over
 _FOLLOWED = const(2)  # cells in a slice
-_STRIPS = const(30)  # across a door
+_STRIPS = const(30)  # across half of a door
 _DEEP = const(210)  # mm before and behind a door's middle: the wall, and what stands in it
 _AGREED = const(3)  # measurements in a row that say the same before a door counts as shut or open
 
@@ -233,6 +234,7 @@ def measure(goal, door, odometry, points):
     c = cos14(doors[k + _NORMAL] - n[_TURN] // 100)
     half = doors[k + _WIDTH] >> 1
     mask = n[_MASK]
+    right = n[_RIGHT]
     fx = points.x
     fy = points.y
     first = n[_DONE]
@@ -243,18 +245,27 @@ def measure(goal, door, odometry, points):
         if -_DEEP < (dx * s + dy * c) >> 14 < _DEEP:
             dx = ((dx * c - dy * s) >> 14) + half
             if 0 <= dx < 2 * half:
-                mask |= 1 << dx * _STRIPS // (2 * half)
+                dx = dx * _STRIPS // half
+                if dx < _STRIPS:
+                    mask |= 1 << dx
+                else:
+                    right |= 1 << dx - _STRIPS
     n[_MASK] = mask
+    n[_RIGHT] = right
     if n[_DONE] < points.count:
         return 0
-    n[_DONE] = n[_MASK] = 0
+    n[_DONE] = n[_MASK] = n[_RIGHT] = 0
     longest = run = 0
-    for b in range(_STRIPS):
-        run = 0 if mask >> b & 1 else run + 1
+    for b in range(2 * _STRIPS):
+        if (mask >> b if b < _STRIPS else right >> b - _STRIPS) & 1:
+            run = 0
+        else:
+            run += 1
         if run > longest:
             longest = run
-            doors[k + _MIDDLE] = (2 * b - run + 2) * half // _STRIPS - half
-    told[_TOLD_OPEN] = doors[k + _OPEN] = longest * half * 2 // _STRIPS
+            doors[k + _MIDDLE] = (2 * b - run + 2) * half // (2 * _STRIPS) - half
+    # Half a strip is open beyond the last free one at either end, on the average
+    told[_TOLD_OPEN] = doors[k + _OPEN] = (longest + (0 < longest < 2 * _STRIPS)) * half // _STRIPS
     told[_TOLD_MIDDLE] = doors[k + _MIDDLE]
     shut = doors[k + _OPEN] < n[_LEAST]
     count = doors[k + _SHUT]
