@@ -12,7 +12,9 @@ _STATES = const(8112)
 
 
 class Gap:
-    """x, y: where the goal lies on the odometry's floor, 1/8 mm modulo 2**16, while `near`."""
+    """lines_up: whether it is led before a door first. x, y: where the goal lies on the odometry's floor, 1/8 mm modulo 2**16, while `near`."""
+
+    lines_up = False
 
     def __init__(self, avoid):
         self._cost_to_go = avoid.decision.cost_to_go

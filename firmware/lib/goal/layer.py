@@ -84,11 +84,13 @@ _AT_IT = const(20)  # reasons.GOAL_THERE
 _CANNOT = const(21)  # reasons.GOAL_ALARM
 _WHERE = const(22)  # reasons.GOAL_WHERE
 
-_THERE = const(120)  # mm from the goal
+_THERE = const(200)  # mm from the goal
 _PASSED = const(450)  # mm beyond a door's middle: it is passed
 _BEFORE = const(450)  # mm before it, on its normal: where it is lined up
 _BEYOND = const(500)
 _LINED_UP = const(70)  # mm off the normal
+_MOUTH = const(200)  # mm before and beyond its middle, for who needs no lining up
+_IN_SIGHT = const(850)  # mm: a door on the grid of the cost to go
 _MEASURED = const(1000)  # mm from which a door is measured: so far the robot remembers points
 _AGAIN_US = const(2_000_000)  # the way is searched anew after that
 _PATIENCE_US = const(25_000_000)  # without getting on by a cell
@@ -270,7 +272,7 @@ class Goal:
                     px = x + dx * i // length
                     py = y + dy * i // length
                     at = route.cell_at(n, px, py)
-                    if 0 < cells[at] >> 12 & 7 <= _MOST_FOUND and abs((px % cell << 1) - cell) + abs((py % cell << 1) - cell) < cell:
+                    if 0 < cells[at] >> 12 & 7 <= _MOST_FOUND and abs((px % cell << 1) - cell) + abs((py % cell << 1) - cell) < cell >> 1:
                         cells[at] -= 0x1000
                         if cells[at] >> 12 == 10:  # closed, with 2 found
                             cells[at] &= 0x7FFF
@@ -302,7 +304,9 @@ class Goal:
                 self.hold(_ALARMED, _CANNOT)
             return
         n[_FAILS] = 0
-        if abs(told[_GOAL_X] - x) < _THERE and abs(told[_GOAL_Y] - y) < _THERE:
+        dx = told[_GOAL_X] - x
+        dy = told[_GOAL_Y] - y
+        if abs(dx) < _THERE and abs(dy) < _THERE and dx * dx + dy * dy < _THERE * _THERE:
             return self._there()
         length = told[_LENGTH]
         if 0 <= length < n[_SHORTEST] - 4 or n[_CHANGED] and length > n[_SHORTEST]:
@@ -312,18 +316,20 @@ class Goal:
         elif ticks_diff(n[_NOW_US], n[_GAINED_US]) > _PATIENCE_US:
             told[_ALARM] = _NO_PROGRESS
             return self.hold(_ALARMED, _CANNOT)
-        if through >= 0 and n[_SIGN] * route.where(self, through) > _PASSED:
+        if through >= 0 and n[_SIGN] * route.where(self, through) > (_PASSED if self.method.lines_up else _MOUTH):
             told[_THROUGH] = through = -1
         door = told[_DOOR]
         if through < 0 and door >= 0:
             ahead = route.where(self, door)
             sign = -1 if ahead > 0 else 1
-            if sign * ahead > -_BEFORE - 60 and abs(n[_ASIDE]) < _LINED_UP:
+            # Who plans finds into the door by himself, once it is on his grid.
+            lines_up = self.method.lines_up
+            if abs(ahead) < (_BEFORE + 60 if lines_up else _IN_SIGHT) and abs(n[_ASIDE]) < (_LINED_UP if lines_up else _IN_SIGHT):
                 told[_THROUGH] = through = door
                 n[_SIGN] = sign
             else:
                 tx, ty = self.x, self.y
-                route.beside(self, door, -sign * _BEFORE)
+                route.beside(self, door, -sign * (_BEFORE if lines_up else _MOUTH))
                 if not route.sees(self, self.x - x, self.y - y):
                     self.x, self.y = tx, ty
         if through >= 0:

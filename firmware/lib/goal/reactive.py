@@ -35,6 +35,7 @@ class Reactive:
 
     stage = 0
     busy = False
+    lines_up = True
 
     def __init__(self, avoid):
         self._avoid = avoid
