@@ -20,6 +20,7 @@ class Gap:
         self._cost_to_go = avoid.decision.cost_to_go
         self._cost_to_go.goal = self
         self.near = self.searches = False
+        self.align = 0
         self.x = self.y = 0
 
     def begin(self):

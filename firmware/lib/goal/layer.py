@@ -53,6 +53,7 @@ _METHOD = const(2)
 _POSE = const(3)
 _TOLD_X = const(4)
 _TOLD_Y = const(5)
+_HEADING = const(6)
 _GOAL_X = const(9)
 _GOAL_Y = const(10)
 _STEER_X = const(11)
@@ -86,10 +87,11 @@ _WHERE = const(22)  # reasons.GOAL_WHERE
 
 _THERE = const(200)  # mm from the goal
 _PASSED = const(450)  # mm beyond a door's middle: it is passed
-_BEFORE = const(450)  # mm before it, on its normal: where it is lined up
+_BEFORE = const(570)  # mm before it, on its normal: where it is lined up
 _BEYOND = const(500)
 _LINED_UP = const(70)  # mm off the normal
 _MOUTH = const(200)  # mm before and beyond its middle, for who needs no lining up
+_IN_LINE = const(100)  # 0.1 deg off it
 _IN_SIGHT = const(850)  # mm: a door on the grid of the cost to go
 _MEASURED = const(1000)  # mm from which a door is measured: so far the robot remembers points
 _AGAIN_US = const(2_000_000)  # the way is searched anew after that
@@ -188,8 +190,7 @@ class Goal:
         n[_DUE] = 1
         n[_SHORTEST] = 32767
         n[_GAINED_US] = n[_NOW_US]
-        told[_STATE] = _GOING
-        self.holds = False
+        self.hold(_GOING, _WHERE)  # until the way is known
         self.x = told[_TOLD_X]
         self.y = told[_TOLD_Y]
         self.method.begin()
@@ -319,12 +320,17 @@ class Goal:
         if through >= 0 and n[_SIGN] * route.where(self, through) > (_PASSED if self.method.lines_up else _MOUTH):
             told[_THROUGH] = through = -1
         door = told[_DOOR]
+        self.method.align = 0
         if through < 0 and door >= 0:
             ahead = route.where(self, door)
             sign = -1 if ahead > 0 else 1
             # Who plans finds into the door by himself, once it is on his grid.
             lines_up = self.method.lines_up
-            if abs(ahead) < (_BEFORE + 60 if lines_up else _IN_SIGHT) and abs(n[_ASIDE]) < (_LINED_UP if lines_up else _IN_SIGHT):
+            turn = (self.doors[7 * door + 2] + (0 if sign > 0 else 1800) - told[_HEADING] + 1800) % 3600 - 1800
+            near = abs(ahead) < (_BEFORE + 60 if lines_up else _IN_SIGHT) and abs(n[_ASIDE]) < (_LINED_UP if lines_up else _IN_SIGHT)
+            if near and lines_up:
+                self.method.align = turn
+            if near and (not lines_up or abs(turn) < _IN_LINE):
                 told[_THROUGH] = through = door
                 n[_SIGN] = sign
             else:
@@ -342,6 +348,7 @@ class Goal:
         c = cos14(-n[_TURN] // 100)
         x = self.x - x
         y = self.y - y
+        self.holds = False
         self.method.aim((x * c + y * s) >> 14, (y * c - x * s) >> 14, through < 0 and self.x == told[_GOAL_X] and self.y == told[_GOAL_Y], odometry)
 
     def _there(self):

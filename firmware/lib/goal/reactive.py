@@ -1,6 +1,6 @@
 """What the two reactive methods of paper C share: a direction that is wanted becomes wheels.
 
-Up to 60 degrees off the nose it is a crab; beyond that the body turns, on the spot where its circle is free, else AF = -AR. Whatever it is, the swept test says how far it is
+Up to 60 degrees off the nose, and a little to keep it from wavering, it is a crab; beyond that the body turns, on the spot where its circle is free, else AF = -AR. Whatever it is, the swept test says how far it is
 free, and so how fast; the guard looks at every frame. Takes the place of planner/decision.py in Avoid while it is chosen.
 """
 
@@ -11,7 +11,10 @@ from core.trig import cos14, sin14
 
 _BODY_ZERO = const(8192)
 _STRAIGHT = const(60)  # candidates: the strips begin here, straight ahead; the last that is 60 degrees or less
-_LAST_CRAB = const(65)
+_LAST_CRAB = const(66)
+_TURNS_FROM = const(414)  # 1024 / tan(68 deg)
+_POINTS_THERE = const(2813)  # 1024 / tan(20 deg)
+_ALIGNED = const(60)  # 0.1 deg
 _STRIP = const(8)  # words of a strip
 _TURNS = (53, 46, 38, 29)  # AF = -AR, the sharpest first
 _EVERY = const(4)  # frames between two decisions
@@ -30,7 +33,7 @@ _BLOCKED = const(17)  # reasons.BLOCKED
 class Reactive:
     """avoid: the Avoid. field.py and behaviour.py say where to: wanted() -> True, fx, fy being the direction, right and ahead; False: back.
 
-    x, y: the target as seen from the body, mm; last: it is the goal
+    align: by how much it is to turn first, 0.1 deg. x, y: the target as seen from the body, mm; last: it is the goal
     """
 
     stage = 0
@@ -47,7 +50,7 @@ class Reactive:
         self.spins = False
         self._frame = self.tx = self.ty = self.x = self.y = self.fx = self.fy = self.align = 0
         self.last = self.searches = False
-        self._back_to = 0
+        self._turns = False
         env = avoid.candidates
         self.half_width = env.half_width
         self.half_length = env.half_length
@@ -93,7 +96,12 @@ class Reactive:
         fx = abs(self.fx)
         fy = self.fy
         side = 1 if self.fx < 0 else 0
-        if fy * 1024 < fx * 591 or fy <= 0:
+        # Once it turns, it turns until it points there; else either would begin the other again.
+        self._turns = turns = fy * 1024 < fx * (_POINTS_THERE if self._turns else _TURNS_FROM) or fy <= 0
+        if self.align > _ALIGNED or self.align < -_ALIGNED:
+            side = 1 if self.align < 0 else 0
+            turns = self.clear()
+        if turns:
             self._turn(side)
             return True
         # The crab that points there best
