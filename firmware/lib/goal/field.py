@@ -9,7 +9,7 @@ from micropython import const
 
 from goal.reactive import Reactive
 
-_REACH = const(500)  # mm from the outline: what is farther off does not push
+_REACH = const(380)  # mm from the outline: what is farther off does not push
 _PULL = const(1024)
 _PUSH = const(1200)  # by what touches
 

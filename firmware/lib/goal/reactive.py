@@ -1,6 +1,6 @@
 """What the two reactive methods of paper C share: a direction that is wanted becomes wheels.
 
-Up to 60 degrees off the nose, and a little to keep it from wavering, it is a crab; beyond that the body turns, on the spot where its circle is free, else AF = -AR. Whatever it is, the swept test says how far it is
+Up to 60 degrees off the nose it is a crab, up to 80 for as long as it leads on without a turn to and fro; beyond that the body turns, on the spot where its circle is free, else AF = -AR. Whatever it is, the swept test says how far it is
 free, and so how fast; the guard looks at every frame. Takes the place of planner/decision.py in Avoid while it is chosen.
 """
 
@@ -12,7 +12,7 @@ from core.trig import cos14, sin14
 _BODY_ZERO = const(8192)
 _STRAIGHT = const(60)  # candidates: the strips begin here, straight ahead; the last that is 60 degrees or less
 _LAST_CRAB = const(66)
-_TURNS_FROM = const(414)  # 1024 / tan(68 deg)
+_TURNS_FROM = const(181)  # 1024 / tan(80 deg): a crab of 70 degrees still gets there
 _POINTS_THERE = const(2813)  # 1024 / tan(20 deg)
 _ALIGNED = const(60)  # 0.1 deg
 _STRIP = const(8)  # words of a strip

@@ -202,6 +202,8 @@ def where(goal, door):
     line = (aside * x + line * y) // (x + y + 1)
     y = doors[k + _MIDDLE]
     x = max(((doors[k + _WIDTH] if doors[k + _OPEN] < 0 else doors[k + _OPEN]) - n[_LEAST] >> 1) - _SPARE, 0)
+    if goal.method.lines_up:
+        x >>= 1  # who only reacts keeps to the middle
     n[_LINE] = line = min(max(line, y - x), y + x)
     n[_ASIDE] = aside - line
     return ahead
