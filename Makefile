@@ -86,8 +86,8 @@ site: $(READY)  ## make a site of the README and docs/, to be read without a net
 budget: $(READY)  ## what the firmware takes of the board's memory, measured, and what is left (ARGS="--option screen.kind=nextion")
 	@$(RUN) -m host.budget $(ARGS)
 
-# What host.flash takes: PORT=/dev/ttyUSB0 FIRMWARE=file.bin BAUD=115200 BLANK=1 DRY=1
-FLASH = $(RUN) -m host.flash $(if $(PORT),--port $(PORT)) $(if $(BAUD),--baud $(BAUD)) $(if $(DRY),--dry-run)
+# What host.flash takes: PORT=/dev/ttyUSB0 FIRMWARE=file.bin BAUD=115200 BLANK=1 ARM=arm.json DRY=1
+FLASH = $(RUN) -m host.flash $(if $(PORT),--port $(PORT)) $(if $(BAUD),--baud $(BAUD)) $(if $(ARM),--arm "$(ARM)") $(if $(DRY),--dry-run)
 
 flash: $(READY)  ## put MicroPython and the firmware on an ESP32 (PORT=, FIRMWARE=file.bin, BAUD=, BLANK=1, DRY=1)
 	@$(FLASH) $(if $(FIRMWARE),--firmware "$(FIRMWARE)") $(if $(BLANK),--blank)

@@ -10,7 +10,7 @@ from host.boards import build, places
 from host.boards.errors import FlashError
 from host.budget import fit
 
-from . import board, hello, image, keep, rescue, rom, tools
+from . import arm, board, hello, image, keep, rescue, rom, tools
 from .chip import Chip, check_pins, remarks
 
 _DEFAULT = "the default"  # where a robot.json comes from
@@ -34,6 +34,7 @@ class Job:
     settings: bytes | None = None  # robot.json as it was on the board
     chosen: bytes = b""  # robot.json as it will be there
     origin: str = ""  # where that comes from, in words
+    arm: bytes | None = None  # arm.json, the person's or the board's own; None: no arm
     found: board.Survey | None = None
     fits: Callable[[bytes, Path], str] | None = None  # says in words what is left of the board's memory, or raises fit.DoesNotFit; None: fit.check
 
@@ -103,6 +104,8 @@ def _check_settings(job: Job) -> str:
         if job.origin == _DEFAULT:
             raise FlashError(f"{job.sources / build.SETTINGS} {doubts}", "correct it, then run this again")
         said.append(f"but it {doubts}")
+    if job.arm is not None:
+        said.append("arm: " + arm.check(job.arm, job.chosen))
     said.append(_check_memory(job))
     if tables := build.put_tables(job.chosen, job.folder):
         job.files.append(tables)
@@ -146,6 +149,8 @@ def _rescue_settings(job: Job) -> str:
     if not rescue.read_partition(job.port, partition, job.baud):
         return "a new board: there are none"
     job.settings = rescue.extract(partition, build.SETTINGS)
+    if job.arm is None:
+        job.arm = rescue.extract(partition, arm.FILE)
     partition.unlink()
     return _kept(job.settings, job.identity)
 
@@ -153,6 +158,8 @@ def _rescue_settings(job: Job) -> str:
 def _back_up(job: Job, found: board.Survey) -> str:
     if build.SETTINGS in found.files:
         job.settings = board.pull(job.port, build.SETTINGS)
+    if job.arm is None and arm.FILE in found.files:
+        job.arm = board.pull(job.port, arm.FILE)
     return _kept(job.settings, found.identity)
 
 
@@ -206,6 +213,13 @@ def _copy(job: Job) -> str:
 def _put_settings(job: Job) -> str:
     _put(job, build.SETTINGS, job.chosen)
     return job.origin
+
+
+def _put_arm(job: Job) -> str:
+    if job.arm is None:
+        return "none"
+    _put(job, arm.FILE, job.arm)
+    return "on the board; its trajectories are uploaded anew after an erase"
 
 
 def _put_key(job: Job) -> str:
@@ -266,6 +280,7 @@ def _copy_preview(what: str, name: str) -> Callable[[Job], list[list[str]]]:
 _SECOND_HALF = [
     Step("copy what changed", _copy, _copy_preview("each changed file", "<its name>")),
     Step("settings (robot.json)", _put_settings, _copy_preview("the kept one, else the default", build.SETTINGS)),
+    Step("arm (arm.json)", _put_arm),
     Step("key of the network link", _put_key, _copy_preview("32 random bytes, if it has none", KEY_FILE)),
     Step("read back and compare", _compare, _survey_preview),
     Step("restart, wait for the firmware's hello", _start),

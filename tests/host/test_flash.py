@@ -239,6 +239,44 @@ def test_options_that_do_not_fit_are_refused(connect, perform, steps):
     assert 0xD0 not in emulated.loader.commands and emulated.get("main.py") == b"old"
 
 
+ARM = (build.FIRMWARE.parent / "host" / "arm" / "arms" / "mt-arm.json").read_bytes()
+
+
+@pytest.mark.parametrize("steps", ("FLASH", "DEPLOY"))
+def test_the_boards_arm_stays(connect, perform, steps):
+    emulated = connect()
+    emulated.install()
+    emulated.put({"robot.json": MINE, "arm.json": ARM, "reach.bin": b"kept"})
+    printed = perform(getattr(flow, steps), emulated)
+    assert emulated.get("arm.json") == ARM
+    assert "arm: mt-arm, 5 servos on outputs 10, 11, 12, 13, 14" in printed
+
+
+def test_an_arm_is_put_on_the_board(connect, perform):
+    emulated = connect()
+    emulated.install()
+    perform(flow.DEPLOY, emulated, arm=ARM)
+    assert emulated.get("arm.json") == ARM
+
+
+@pytest.mark.parametrize(
+    "settings, arm, told",
+    [
+        (b'{"axles": {"spacings": [80, 80, 80, 80, 80]}}', ARM, "output 10 .* the 6 axles leave 4 outputs .12, 13, 14, 15., the arm wants 5"),
+        (MINE, ARM.replace(b'"servos"', b'"sevros"'), "unknown key sevros"),
+        (MINE, ARM[:200], "not JSON"),
+        (MINE, b'{"joints": [{"length_mm": 1, "mass_kg": 1}]}', "length_mm"),
+    ],
+)
+def test_an_arm_that_has_no_room_is_refused_before_anything_is_written(connect, perform, settings, arm, told):
+    emulated = connect()
+    emulated.install()
+    emulated.put({"robot.json": settings, "main.py": b"old"})
+    with pytest.raises(FlashError, match=told):
+        perform(flow.DEPLOY, emulated, arm=arm)
+    assert emulated.get("main.py") == b"old" and emulated.get("arm.json") is None
+
+
 def test_nothing_is_refused_where_the_heap_is_large(connect, perform):
     emulated = connect(heap=4 << 20)
     emulated.install()
