@@ -14,6 +14,7 @@ from steering import mode_of
 _NO_POINT = const(32767)
 _NO_BLOCK = const(65535)
 _BLOCKED = const(17)  # reasons.BLOCKED
+_RED = const(2)  # perception/windows.py
 
 
 class Avoid:
@@ -83,7 +84,7 @@ class Avoid:
         decided = self.decision.step(odometry)
         ways = self.ways
         if decided:
-            self.plan.choose_speed(self.windows.urgent, self.config)
+            self.plan.choose_speed(_RED if self.map.doubt else self.windows.urgent, self.config)
             self._publish(1)
         self.points_count = ways.n
         self.points_ordered = ways.ordered

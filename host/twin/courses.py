@@ -19,7 +19,7 @@ NAMES = ("Z", "U", "S", "S-sharp", "bend", "random", "alley")
 DEFAULT_WIDTH = {"Z": 550, "U": 550, "S": 550, "S-sharp": 550, "bend": 550, "random": 1500, "alley": 450}
 ALLEY_LENGTH = 2500.0
 ALLEY_START, ALLEY_OUT = 450.0, 700.0  # the centre starts so far before the closed end, and is out so far beyond the mouth
-HALL = 2500.0, 4000.0  # half the width and the length of the hall before the mouth, whose far end is open
+HALL = 2500.0, 4000.0  # half the width and the length of the hall before the mouth
 RANDOM_SIZE = 1500.0, 2920.0
 
 
@@ -60,12 +60,14 @@ class Course:
 
 
 def make(name, width=None, gap=500.0, seed=0, mirror=False, reverse=False, angle=90.0, scale=1.0, length=None, side=False, start=None, goal=None):
-    """A course by name, or the world of a file (worlds.py).
+    """A course by name, or the world of a file (worlds.py); a Course is given back as it is.
 
     width: of the corridor. gap: random only, the least distance between obstacles. seed: random only. mirror: left and right
     exchanged. reverse: entered from the other end. angle: bend only, of its two bends (degrees). scale: factor on the area, and so on the
     length of the legs; not on the width. length, side: alley only, see `alley`. start, goal: of a file, see `worlds.load`. ValueError names what is allowed.
     """
+    if isinstance(name, Course):
+        return name
     if worlds.is_file(name):
         return from_file(name, start, goal, scale, mirror)
     if start is not None or goal is not None:
@@ -115,7 +117,7 @@ def alley(width, length=ALLEY_LENGTH, side=False, mirror=False):
     else:
         across, along = HALL
         walls = _walls([(-half, 0), (-half, length), (half, length), (half, 0)])
-        walls += _walls([(-half, 0), (-across, 0), (-across, -along)]) + _walls([(half, 0), (across, 0), (across, -along)])
+        walls += _walls([(-half, 0), (-across, 0), (-across, -along)]) + _walls([(half, 0), (across, 0), (across, -along), (-across, -along)])
         goal = 0.0, -ALLEY_OUT, radians(180), across
     segments = np.array(walls)
     if mirror:

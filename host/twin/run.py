@@ -147,6 +147,7 @@ def run(
     vehicle = Vehicle.from_settings(settings)
     shape = dict(gap=gap, seed=seed, mirror=mirror, reverse=reverse, angle=angle, scale=scale, length=length, side=side, start=start, goal=goal)
     layout, errand, watch = _world(course, width, shape, house, failing, watch or Observer())
+    course = layout.name if isinstance(course, courses.Course) else course
     text = json.dumps(settings)
     arm, files, notes = _with_arm(arm, dict(failing.files), {"engine": engine, "chip": str(chip)})
     address = _address(course, layout, chip, shape) + (f"&fault={fault}" if fault else "")

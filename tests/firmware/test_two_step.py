@@ -35,7 +35,7 @@ def test_variants_are_mirrors():
 
 def _pairs():
     pairs = Avoid(_config).decision.two_step
-    pairs.begin()
+    pairs.begin(0)
     for scores in pairs.scores:
         fill(scores, LENGTHS * _env.count, NOTHING)
     return pairs, pairs.scores

@@ -88,8 +88,7 @@ def hall(far):
 
 
 @pytest.mark.parametrize(("far", "returns", "passes"), [(5000.0, 20, True), (9000.0, 0, True), (9000.0, 20, False)])
-def test_halls(monkeypatch, far, returns, passes):
-    monkeypatch.setattr(courses, "make", lambda *settings: hall(far))
-    result = run("Z", changes={"lidar.returns": returns}, chip=inf, limit_s=30, record=False)
+def test_halls(far, returns, passes):
+    result = run(hall(far), changes={"lidar.returns": returns}, chip=inf, limit_s=30, record=False)
     assert (result.result == "pass") == passes
     assert (faults_of(result) == []) == passes

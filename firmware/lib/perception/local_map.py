@@ -24,6 +24,9 @@ from micropython import const
 
 from core.trig import SIN, cos14, sin14
 
+_SAME = const(320)  # 1/8 mm: as near to one another two beams have met the same
+_SOON = const(40)  # 0.6 s
+_LONES = const(24)  # words: x, y, _NOW of eight
 _CAPACITY = const(320)
 _CROWDED = const(270)
 _HASH = const(512)
@@ -60,7 +63,10 @@ _MIRRORED = const(12)  # 1 where bearings fall from point to point
 _X = const(13)  # the lidar at the frame's last point, 1/8 mm modulo 2**16
 _Y = const(14)
 _TIME = const(15)  # us modulo 2**22: _NOW with its fractions
-_STATES = const(16)
+_BLIND = const(16)  # square mm: so near the lidar sees nothing
+_STATES = const(17)
+
+_VOID = const(32767)  # stands for a beam that did not return, where that tells something
 
 
 _SQUARES = array("i")  # of ranges a quarter apart, mm**2
@@ -190,7 +196,7 @@ def clear_seen_past(
     cell past it: all, for the tip of a corner is seen by few, and the body turns about it. One whose
     surface is now in a neighbour cell goes when the lidar has come round for it in vain (a revolution and a half). One behind something
     nearer, or inside the blind disc, is kept until the robot has rolled `keep` mm: drift, not time,
-    is what makes memory wrong.
+    is what makes memory wrong. A beam without return (_VOID) disproves what nothing has been seen of for a dozen revolutions.
 
             first beam    last beam
                   \\ u   v //            along: the coordinate in which the sector points; its sign settles half of the points
@@ -237,6 +243,8 @@ def clear_seen_past(
                         rx = (p >> 3) - 4096
                         ry = (q >> 3) - 4096
                         r2 = rx * rx + ry * ry
+                        if d == _VOID and (r2 < state[_BLIND] or age <= state[_DOZEN]):
+                            reach = 0
                         if r2 < reach * reach:
                             disproved = 0
                             # The beams that could have met it: those within 20 mm of it, many where it is near.
@@ -330,9 +338,11 @@ def drop(state: ptr32, fx: ptr16, fy: ptr16, seen: ptr8, travel: ptr8, index: pt
             if p < q:
                 p = q
             if p <= far8 and (state[_TRAVEL] - travel[k]) & 0xFF < state[_KEEP]:
-                # Room runs out: what is out of sight and farther than two thirds of a body length goes first, or there would be none
-                # for what comes.
-                if count <= _CROWDED or p <= far8 * 3 >> 3 or age <= patience:
+                # Room runs out: the stalest goes, or there would be none for what is seen now. What the lidar is blind for goes last of all.
+                q = patience
+                if p <= state[_CLOSE] << 1:
+                    q += _OLDEST - 2
+                if count <= _CROWDED or age <= q:
                     if age > _OLDEST:
                         seen[k] = (now - _OLDEST) & 0xFF
                     continue
@@ -392,6 +402,7 @@ class LocalMap:
     x, y: array('H') of their coordinates on the floor, 1/8 mm modulo 2**16; the first `count` count.
     state: array('i') whose places have names above, the count first
     keep: mm rolled before an unseen point is given up
+    doubt: frames for which a lone reading in the lane has still to be confirmed
     """
 
     def __init__(self, config):
@@ -457,7 +468,46 @@ class LocalMap:
             (x << 13) + n, (y << 13) + n, ((first + 5) << 13) + n,
             ((((x1 - x) & 0xFFFF ^ _HALF) - _HALF) << 13) // n, ((((y1 - y) & 0xFFFF ^ _HALF) - _HALF) << 13) // n, (turned << 13) // n,
         )  # fmt: skip
+        if self.doubt:
+            self.doubt -= 1
+        if lidar.lone:
+            self._weigh(lidar, lidar.lone - 1, heading, odometry.step_y)
+        # Nothing returned is evidence where most does, or where the robot has been told so.
+        if self._open or lidar.returned << 1 > n:
+            distances = lidar.distances
+            for k in range(n):
+                if not distances[k]:
+                    distances[k] = _VOID
         self._clear(lidar, n, (first + turned) // 10)
+
+    def _weigh(self, lidar, at, heading, ahead):
+        """A beam has met alone what was not known. If one met the same not long ago, it is there; until then the robot is careful."""
+        state = self.state
+        y, d = self._one
+        b = lidar.bearings[at]
+        d[0] = far = lidar.lone_range
+        right = far * sin14(b) >> 16
+        front = far * sin14(b + 900) >> 16
+        if abs(right) < self._lane and 0 < (front if ahead > 0 else -front) < self._ahead and ahead:
+            self.doubt = self._frames
+        b = heading // 100 + b
+        now = state[_TIME] >> 14
+        px = state[_X] + (far * sin14(b) >> 13) & 0xFFFF
+        py = state[_Y] + (far * sin14(b + 900) >> 13) & 0xFFFF
+        lone = self._lones
+        for k in range(0, _LONES, 3):
+            if lone[k] + _SAME - px & 0xFFFF <= 2 * _SAME and lone[k + 1] + _SAME - py & 0xFFFF <= 2 * _SAME and 2 < now - lone[k + 2] & 0xFF < _SOON:
+                y[0] = b % 3600
+                insert(
+                    state, self.x, self.y, self._index, y, d, 1, self._seen, self._travel,
+                    (state[_X] << 13) + 1, (state[_Y] << 13) + 1, 1, 0, 0, 0,
+                )  # fmt: skip
+                break
+        k = self._next_lone
+        lone[k] = px
+        lone[k + 1] = py
+        lone[k + 2] = now
+        self._next_lone = (k + 3) % _LONES
 
     def _clear(self, lidar, n, heading):
         """Drop what the frame sees past, and what is too old or too far. heading: at the last point, 0.1 deg."""

@@ -4,6 +4,7 @@ The lidar's revolution is a ring of places, one for each frame. Trust is earned:
 
 - no two frames were missing, nor the same one as in the revolution before: every place was heard of, or both its neighbours were,
 - enough of the beams came back (lidar.returns): not at 0, not below lidar.near, not at lidar.far or beyond, and not all of a frame alike,
+- ahead and behind not all was lost at once: a cover, dirt, a dazzled lidar,
 - and not every frame was the same as that of its place a revolution before: real ranges waver.
 
 A place ahead or behind from which nothing returns is unknown, not free: glass, a black surface, dirt. The border of what was seen free there
@@ -61,7 +62,8 @@ _FORGET = const(2000)  # and after which it may try again
 
 # Layout of the rows, one for each place; behind them the bins of two revolutions, in turn
 _RETURNS = const(0)
-_RANGE = const(1)  # when enough returned last: the farthest, mm; 0: never
+_RANGE = const(1)  # when enough returned last: the farthest, mm, and _PLENTY if it was half of the beams; 0: never
+_PLENTY = const(0x8000)
 _ROLLED = const(2)  # what the wheels had rolled then, mm modulo 2**16
 _WAY = const(3)  # 1: ahead the border is near, 2: behind, else 0
 _X = const(4)  # where the lidar was, quarter mm
@@ -74,6 +76,8 @@ _NEAR = const(0)  # quarter mm, the first that counts
 _FAR = const(1)  # the first that does not
 _COUNT = const(2)  # how many count,
 _LARGEST = const(3)  # and the largest
+_ALONE = const(4)
+_TWO_BEAMS = const(4000)  # quarter mm; anything so near is met by two beams
 
 # Layout of the state
 _LEAST = const(0)  # share of the beams that must come back, %
@@ -99,29 +103,49 @@ _SINCE = const(27)  # frames since a fault of motion, up to _FORGET
 _BLOCKED = const(28)  # the way taken for blocked: 1 ahead, 2 behind, 0 neither
 _LONE = const(29)  # 0, or how much of a revolution is left until a frame may be missing again, counted like the rows
 _DOUBTS = const(30)  # revolutions in a row that spoke against the motion
+_SUDDEN = const(31)  # places one after the other, ahead or behind, from which nothing returns all of a sudden
+_COVERED = const(32)  # 1 ahead, 2 behind: there was _COVER of them; 0 neither
+_COVER = const(3)
 
 
 @micropython.viper
-def _look(distances: ptr16, n: int, found: ptr32):
-    """Of the distances (quarter mm) from found[_NEAR] to below found[_FAR]: how many, the largest; none if they are all equal."""
+def _sift(distances: ptr16, bearings: ptr16, n: int, found: ptr32, own: ptr8) -> int:
+    """Of the distances (quarter mm) from found[_NEAR] to below found[_FAR]: how many, the largest; none if they are all equal.
+
+    What tells nothing of what stands round the robot becomes 1: the longest distance and beyond, what is nearer than own (for each 32 tenths of a degree how
+    far the robot itself reaches, 8 mm), and of what is near a lone reading, which no beam beside it agrees with: that may be dust, or the sun. Returns the place
+    of the last of these, counted from 1, its distance in found[_ALONE]; 0 if there is none.
+    """
     near = found[_NEAR]
     far = found[_FAR]
     count = 0
+    lone = 0
     low = far
     high = 0
+    after = 0  # the distance behind, as it was
     while n:
         n -= 1
         d = distances[n]
-        if d >= near and d < far:
+        if d >= far or d and d < own[bearings[n] >> 5] << 5:
+            distances[n] = 1
+        elif d >= near:
             count += 1
             if d < low:
                 low = d
             if d > high:
                 high = d
+            # A wall seen at three degrees falls off by a fifth from beam to beam.
+            k = d >> 2
+            if d < _TWO_BEAMS and (after - d + k) & 0xFFFFF > k + k and n and (distances[n - 1] - d + k) & 0xFFFFF > k + k:
+                lone = n + 1
+                found[_ALONE] = d
+                distances[n] = 1
+        after = d
     if low == high:
         count = 0  # no surface is like that
     found[_COUNT] = count
     found[_LARGEST] = high
+    return lone
 
 
 class ScanTrust:
@@ -153,20 +177,21 @@ class ScanTrust:
         state = self._state
         size = state[_SIZE]
         at = lidar.place * _ROW
+        n = lidar.n
+        found = self._found
+        lidar.lone = _sift(lidar.distances, lidar.bearings, n, found, self._own)
+        lidar.lone_range = found[_ALONE]
+        lidar.returned = returns = found[_COUNT]
         if at == 0:
             self._judge(state, v256)
         self._compare(lidar, odometry, rows, state)
-        n = lidar.n
-        found = self._found
-        _look(lidar.distances, n, found)
-        returns = found[_COUNT]
         state[_SEEN] += returns - rows[at]
         self._border(lidar, odometry, rows, state, at)
         rows[at] = returns
         good = state[_GOOD]
         missed = lidar.missed - state[_MISSED]
         lone = state[_LONE]
-        if missed > 1 or missed and lone or not n or state[_SEEN] * 100 * _ROW < state[_LEAST] * n * size or state[_ALIKE] >= size:
+        if missed > 1 or missed and lone or not n or state[_SEEN] * 100 * _ROW < state[_LEAST] * n * size or state[_ALIKE] >= size or state[_COVERED]:
             good = 0
         elif missed:
             good = min(good, size)  # what is told of the motion has a hole now
@@ -197,8 +222,17 @@ class ScanTrust:
             way = 2
         rolled = odometry.travel256 >> 8
         blocked = way == state[_BLOCKED]
+        if way == state[_COVERED] and self._found[_COUNT] << 3 > n:
+            state[_COVERED] = 0
+        # Most of them returned a revolution ago, and none does now: in three places one after the other that is not how a room opens.
+        if way and not blocked and self._found[_COUNT] << 3 <= n < rows[at] << 1 and state[_LEAST]:
+            state[_SUDDEN] += 1
+            if state[_SUDDEN] == _COVER:
+                state[_COVERED] = way
+        else:
+            state[_SUDDEN] = 0
         if self._found[_COUNT] << 3 > n:
-            rows[at + _RANGE] = self._found[_LARGEST] >> 2
+            rows[at + _RANGE] = self._found[_LARGEST] >> 2 | (_PLENTY if self._found[_COUNT] << 1 > n else 0)
             rows[at + _ROLLED] = rolled & 0xFFFF
             if not blocked:
                 way = 0
@@ -206,12 +240,15 @@ class ScanTrust:
             way = 0  # it was better the time before
         if way:
             nearest = border = state[_NEAREST + way]
+            # Walls that end, and nothing behind, are lost beam by beam. What returned most of a moment ago and nothing now is not to be trusted.
+            opened = rows[at + _RANGE]
+            opened = not blocked and 0 < opened < _PLENTY
             # The body turns: what a place looks at now, one beside it may have seen.
             size = state[_SIZE]
             k = size - _ROW
             while k <= size + _ROW and not blocked:
                 row = (at + k) % size
-                seen = rows[row + _RANGE]
+                seen = rows[row + _RANGE] & _PLENTY - 1
                 if seen:
                     seen -= (rolled - rows[row + _ROLLED]) & 0xFFFF
                     if seen > border:
@@ -221,7 +258,7 @@ class ScanTrust:
                 k += _ROW
             slow = way if border < nearest + _NEAR_BORDER else 0
             distances = lidar.distances
-            while n:
+            while n and not opened:
                 n -= 1
                 distances[n] = border << 2
         state[_WAYS + rows[at + _WAY]] -= 1
@@ -282,6 +319,7 @@ class ScanTrust:
         dy = (heading * s + dx * c) >> 14
         dx = (heading * c - dx * s) >> 14
         state[_TURNED + _NEW] += turned
+        moved = dx * dx + dy * dy >> 8
         known = state[_GOOD] == 2 * size
         changes = some = 0
         k = lidar.place * _BINS
@@ -305,11 +343,13 @@ class ScanTrust:
                 there += slope * ((dx * c - dy * s) >> 16) * state[_TURN] // (there * 44 // 7) - ((dx * s + dy * c) >> 16) - was
                 seen -= was
                 if -_JUMP < there < _JUMP and -_JUMP < seen < _JUMP:
-                    state[_WEIGHT + _NEW] += there * there
-                    state[_RATIO + _NEW] += there * seen
                     was = seen - there
-                    if abs(was) <= (abs(there) >> 2) + 4:
-                        state[_AGREED + _NEW] += there * there
+                    # Along a wall little is expected, and most of that because it is taken for bent: less than a quarter of the way tells nothing.
+                    if there * there >= moved:
+                        state[_WEIGHT + _NEW] += there * there
+                        state[_RATIO + _NEW] += there * seen
+                        if abs(was) <= (abs(there) >> 2) + 4:
+                            state[_AGREED + _NEW] += there * there
                     if -_STEEP < slope < _STEEP:
                         state[_SLOPES + _NEW] += slope * slope
                         state[_SHIFT + _NEW] += slope * min(max(was, -_ODD), _ODD)

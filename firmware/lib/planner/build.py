@@ -114,7 +114,7 @@ def _two_step(candidates, move_cost, ways, scores):
     two_step.costs = array("i", bytes(4 * MOST))
     two_step.n = two_step.near = two_step.ahead = 0  # points as seen from the end of a first move: all, near ones, those not behind
     two_step.second_mirroring = two_step.second_candidate = two_step.second_length = 0
-    two_step.begin()
+    two_step.begin(0)
     return two_step
 
 

@@ -25,7 +25,8 @@ _Y = const(1)
 _CELL = const(2)
 _RADIUS = const(3)  # round the trail, of what counts as visited
 _REACH = const(4)  # rows of a footprint mask to each side
-FIELDS = const(5)
+_SIZE = const(5)  # log2 of the floor cells of known_exits.py, 1/8 mm
+FIELDS = const(6)
 
 
 @micropython.viper
@@ -158,8 +159,8 @@ def close(first: int, job: ptr32, seen: ptr32, closed: ptr32, near: ptr32, masks
 
 
 @micropython.viper
-def seed(cost: ptr8, closed: ptr32, fallen: ptr32, ux: int, uy: int, sense: int, shift: int, rim: ptr16):
-    """Open poses on the rim are exits, marked in `fallen`; those in the direction (ux, uy) * 2**10 are the cheapest.
+def seed(cost: ptr8, closed: ptr32, fallen: ptr32, ux: int, uy: int, sense: int, shift: int, rim: ptr16, exits: ptr8):
+    """Open poses on the rim are exits, marked in `fallen`; those in the direction (ux, uy) * 2**10 are the cheapest, but none is cheaper than known_exits.py says.
 
     sense: of heading_branch.apply(); shift: log2 of sixteenths of a cell in a unit of cost; rim: what each of 24 headings of the nose adds on the far rim (primitives.rim()).
     """
@@ -170,11 +171,13 @@ def seed(cost: ptr8, closed: ptr32, fallen: ptr32, ux: int, uy: int, sense: int,
         # Heading of the nose as the far rim sees it, whichever side this is.
         h = t + _TURNS * (sense >> t & 1)
         step = 1
+        known = (y & 1) * _N
         if y == 0:
             h += 12
         elif y < _N - 1:
             h += 6
             step = _N - 1
+            known = 2 * _N + y
         marks = 0
         x = 0
         while x < _N:
@@ -190,6 +193,8 @@ def seed(cost: ptr8, closed: ptr32, fallen: ptr32, ux: int, uy: int, sense: int,
                 c = (c + rim[h]) >> shift
                 if c > _KNEE:
                     c = _KNEE + ((c - _KNEE) >> 2)
+                if exits[known + x] > c:
+                    c = exits[known + x]
                 cost[row * _N + x] = c
                 marks = marks | (1 << x)
             x += step

@@ -19,6 +19,7 @@ from micropython import const
 
 from planner import heading_branch
 from planner.cost_grid import close, cover, fill, seed
+from planner.known_exits import forget_far, recall
 from planner.propagate import propagate
 
 _POINTS = const(20)  # closed in one slice
@@ -36,6 +37,7 @@ _KNEE = const(216)  # of costs: see propagate.py
 _GRID_X = const(0)
 _GRID_Y = const(1)
 _GRID_CELL = const(2)
+_GRID_SIZE = const(5)
 
 
 @micropython.viper
@@ -164,25 +166,33 @@ class CostToGo:
                 i = ((x - job[_GRID_X] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
                 j = ((y - job[_GRID_Y] + cell // 2 & 0xFFFF ^ 0x8000) - 0x8000) // cell
                 self._lean = heading_branch.choose(self.cost, i, j, odometry.heading // 100)
+                forget_far(self._known, x, y, job[_GRID_SIZE])
+                self._old_x = job[_GRID_X]
+                self._old_y = job[_GRID_Y]
+            else:
+                stage = 4
             job[_GRID_X] = x - cell * (_N // 2) & 0xFFFF
             job[_GRID_Y] = y - cell * (_N // 2) & 0xFFFF
+        elif stage < 5:
+            recall(stage - 1, job, self._old_x, self._old_y, self.cost, self._known, self._exits)
+        elif stage == 5:
             # Nothing closed, near or marked, nothing reached; a revisit cost of 2 halves everywhere.
             fill(self.cost, _STATES >> 1, 0xFFFF)
             fill(self.scratch, 3 * 2 * _ROWS, 0)
             fill(self._revisit, _PLACES >> 1, 0x0202)
-        elif stage == 1:
+        elif stage == 6:
             # Ground covered becomes expensive, more each time; not what the body still stands on.
             first = self.laid - _TRAIL
             cover(job, first if first > 0 else 0, self._revisit, self._trail, self.laid - _TRAIL_GAP)
             self._k = 0
-        elif stage == 2:
+        elif stage == 7:
             self._k = close(self._k, job, self._marks, self._closed, self._near, self._masks, points.x, points.y, points.count, _POINTS)
             if self._k < points.count:
                 return False
-        elif stage == 3:
+        elif stage == 8:
             sense = heading_branch.apply(odometry.heading // 100, self._lean, self._closed)
             wave = self._wave
-            seed(self.cost, self._closed, self._marks, self.ux, self.uy, sense, wave[5], self._rim)
+            seed(self.cost, self._closed, self._marks, self.ux, self.uy, sense, wave[5], self._rim, self._exits)
             if self.goal is not None:
                 self.goal.seed(job, self.cost, self._closed, self._marks)
             wave[0] = wave[1] = wave[2] = 0

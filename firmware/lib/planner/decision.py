@@ -16,6 +16,8 @@ from planner.candidates import LENGTHS
 from planner.cost_grid import fill
 from planner.move_cost import NOTHING, best, in_a_slice
 
+_ONE_WAY = const(8)  # of Decision.side: only the way that the robot goes was looked at
+_SLACK = const(150)  # mm that two moves may cost more than one
 _PATIENCE = const(5)  # times backing up on the same ground
 _CHOSEN_US = const(76_000)  # as long a single move is left alone
 
@@ -94,7 +96,7 @@ class Decision:
             if plan.moves and plan.left(odometry) < self.candidates.look_ahead >> 2 and (self.renewing or not self._fits(odometry, _FRESH, _FRESH_US)):
                 self._renew(odometry)
             return REST
-        single = plan.why in (_ON, _BEND, _CRAB)
+        single = plan.why in (_ON, _BEND, _CRAB, _BACK)
         if not plan.moves:
             fits = self._fits(odometry, _FIT, _FIT_US) if single else self._fits(odometry, _FRESH, _FRESH_US)
             if self.renewing or not fits or ways.frames < self.frames_first:
@@ -118,11 +120,11 @@ class Decision:
         self.next = 0
         self.least = NOTHING
         # Where two moves were needed last, all candidates are likely to be. Else the side taken last comes first: it sets the measure for the other.
-        self.side = plan.mirroring & 1 if single else 0
+        self.side = plan.mirroring if single else 0
         return _BOUND if single else _CHECK_ALL
 
     def _bound(self, odometry):
-        """Lower bounds of the moves ahead to one side."""
+        """Lower bounds of the moves to one side, the way the robot goes."""
         side = self.side
         plan = self.plan
         self.next = self.move_cost.lower_bound(side, self.ways.free_of[side], self.scores[side], self.next, plan.af, plan.ar)
@@ -143,21 +145,29 @@ class Decision:
             return _CHECK_BEST
         if number != NOTHING:
             self.least = scores[number]
-        if side == self.plan.mirroring & 1:
+        if side == self.plan.mirroring:
             self.side = side ^ 1
             return _BOUND
-        self.side = 0
+        self.side = side | _ONE_WAY
         return CHOOSE
 
     def _choose(self, odometry):
         """Take the best single move if it gets on well."""
         plan = self.plan
-        if self._choose_one():
+        side = self.side
+        if self._choose_one(side & 2 if side & _ONE_WAY else (side >> 1) - 1 << 1):
             self.travel = odometry.travel256
             self.chosen_us = odometry.now_us
             plan.look()
             self.decided = True
             return REST
+        if side == 4:
+            pose = self.move_cost
+            self.ways.look(pose.x, pose.y, pose.heading)
+            self.two_step.begin(self.here)
+            return _FIRST_MOVES
+        if side & _ONE_WAY:
+            self.side = self.next = 0
         # This takes longer. With little way left, or on a slow chip, the robot stands meanwhile.
         if plan.v != 90 and (self.slow or plan.free < self.candidates.lengths[2]):
             plan.stand(_LOOKING)
@@ -167,18 +177,10 @@ class Decision:
 
     def _check_all(self, odometry):
         """Check and score all candidates, mirroring by mirroring: those ahead, then, if none of them gets on well, the others."""
-        side = self.side
-        if not self.check_some(side):
+        if not self.check_some(self.side):
             return _CHECK_ALL
-        self.side = side = side + 1
-        if side == 2:
-            return CHOOSE
-        if side < 4:
-            return _CHECK_ALL
-        pose = self.move_cost
-        self.ways.look(pose.x, pose.y, pose.heading)
-        self.two_step.begin()
-        return _FIRST_MOVES
+        self.side += 1
+        return _CHECK_ALL if self.side & 1 else CHOOSE
 
     def _first_moves(self, odometry):
         two_step = self.two_step
@@ -202,6 +204,10 @@ class Decision:
             plan.begin(1, min(most - lengths[0], lengths[3]), odometry, _AGAIN)
             self.reversals = 0
         elif first.count:
+            if first.alone != NOTHING and first.least > first.alone + _SLACK:
+                # One that gets on by itself is not given up for two that end no better.
+                first.found = False
+                first.chosen = first.alone_at
             at = first.chosen  # the best single one, where no pair was found
             mirroring = first.mirroring[at]
             plan.take(mirroring, first.candidate[at])
@@ -285,18 +291,18 @@ class Decision:
         ways.check(mirroring, first, last, env.lengths[0])
         self.move_cost.score(
             mirroring, ways.free_of[mirroring], ways.soft, self.scores[mirroring], first, last, 1, plan.af, plan.ar,
-            self.backward if mirroring & 2 else 0,
+            self.backward if (mirroring ^ plan.mirroring) & 2 else 0,
         )  # fmt: skip
         self.next = last if last < env.count else 0
         return not self.next
 
-    def _choose_one(self):
-        """Take the best single move ahead. False if it does not get on well."""
+    def _choose_one(self, way):
+        """Take the best single move, ahead (way 0) or backward (2). False if it does not get on well."""
         env = self.candidates
         plan = self.plan
         value = NOTHING
         number = mirroring = 0
-        for side in (0, 1):
+        for side in range(way, way + 2):
             scores = self.scores[side]
             one = best(scores, 0, env.count, 1)
             if one != NOTHING and (scores[one] < value or (scores[one] == value and side == plan.mirroring)):
@@ -314,7 +320,7 @@ class Decision:
         plan.take(mirroring, k)
         plan.moves = 0
         plan.limit = env.look_ahead
-        plan.why = _BEND if k < env.arcs else _CRAB if k > env.arcs else _ON
+        plan.why = _BACK if way else _BEND if k < env.arcs else _CRAB if k > env.arcs else _ON
         return True
 
     def longest(self, mirrorings, least):

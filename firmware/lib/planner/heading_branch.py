@@ -8,7 +8,6 @@ are those of two noses.
 
 from array import array
 
-import micropython
 from micropython import const
 
 from core.trig import cos14, sin14
@@ -24,28 +23,20 @@ _LARGEST = const(4)  # lean: so the closed orientation stays 30 degrees off the 
 _NEXT = array("H", (702, 650, 677, 675, 703, 701, 651, 649, 1352, 0))
 
 
-@micropython.viper
-def _exit(at: int, cost: ptr8, next_places: ptr16) -> int:
+def _exit(at, cost):
     """The pose of the grid at which the costs leave it from pose `at`: each time on to the cheapest next one. -1 if they do not."""
-    least = int(cost[at])
+    least = cost[at]
     while True:
-        row = at // _N
-        x = at - row * _N
-        y = row % _N
+        x = at % _N
+        y = at // _N % _N
         if x == 0 or x == _N - 1 or y == 0 or y == _N - 1:
             return at
         to = at
-        d = 0
-        while d < 10:
-            i = at + next_places[d] - _PLACES
-            if i >= _STATES:
-                i -= _STATES
-            if i < 0:
-                i += _STATES
+        for d in range(10):
+            i = (at + _NEXT[d] - _PLACES) % _STATES
             if cost[i] < least:
                 least = cost[i]
                 to = i
-            d += 1
         if to == at:
             return -1
         at = to
@@ -67,7 +58,7 @@ def choose(cost, x, y, heading):
             least = cost[place]
             found = place
     if least < _OUT:
-        found = _exit(found, cost, _NEXT)
+        found = _exit(found, cost)
     if least == _OUT or found < 0:
         return 0
     x = 2 * (found % _N - x) + 1

@@ -253,9 +253,13 @@ class MoveCost:
         free becomes 65535, of these only: candidates for driving backward must not seem free ahead.
         """
         env = self._candidates
-        if env.ahead_end <= first < env.arcs:
+        end = env.ahead_end
+        if mirroring & 2:
+            first = max(first, env.astern_first)
+            end = env.arcs
+        if end <= first < env.arcs:
             first = env.arcs
-        last = min(first + _BOUNDS, env.ahead_end if first < env.ahead_end else env.count)
+        last = min(first + _BOUNDS, end if first < end else env.count)
         self._prepare(mirroring, first, last, 1, af, ar, 0, 1)
         self._run(free, free, scores)
         return last

@@ -12,6 +12,8 @@ _ROWS = const(312)
 _PLACES = const(676)
 _STATES = const(8112)
 _TRAIL = const(120)
+_CELLS = const(1024)  # known_exits.py
+_EXITS = const(104)
 _MOVE_FIELDS = const(17)  # move_cost.py
 # log2 of sixteenths of a cell in a unit of cost; where the last axle stays straight, to and fro costs more
 _UNIT = const(2)
@@ -56,7 +58,13 @@ def cost_to_go(self, config):
     self._marks = view[4 * _ROWS : 6 * _ROWS]
     self._revisit = view[6 * _ROWS :]
     radius = config.robot_width * 4 + cell // 2  # of what the trail makes expensive
-    self.grid = array("i", (0, 0, cell, radius, len(self._masks) // (16 * _SHAPES)))  # of cost_grid.py
+    size = 0
+    while 3 << size < 11 * cell:
+        size += 1
+    self.grid = array("i", (0, 0, cell, radius, len(self._masks) // (16 * _SHAPES), size))  # of cost_grid.py
+    self._known = bytearray(_CELLS >> 1)  # of known_exits.py
+    self._exits = bytearray(_EXITS)
+    self._old_x = self._old_y = 0
     self._wave = array("i", (0, 0, 0, 0, 0, shift, 20, 16, 4, 0) if config.mode == "AWS" else (0, 0, 0, 0, 0, shift, 24, 16, 6, 1))  # of propagate.py
     self._trail = array("H", bytes(2 * 2 * _TRAIL))  # x, y
     self.laid = 0  # points of it so far

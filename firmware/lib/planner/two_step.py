@@ -24,20 +24,23 @@ class TwoStep:
     count                     first moves found, best first: mirroring[0], candidate[0], length[0] (mm) is the best single one
     found                     whether a pair was
     mirroring, candidate, length    bytearrays and array 'H'; those of the pair's first move at `chosen`
+    alone, alone_at           cost and number of the best of the first moves that gets on without a second one, NOTHING if there is none
     second_mirroring, second_candidate, second_length    its second move, mm
 
     scores: by mirroring, of the first moves. While second moves are tried the scores of the first ones are not needed any more: those of one mirroring are the second moves', two hold the
     points as seen from the end of a first move, and the last one the free lengths.
     """
 
-    def begin(self):
+    def begin(self, here):
+        """here: the cost to go where the robot is. A move that ends where it costs no less is of use as the first of two only."""
+        self._here = here
         self.count = 0
         self._coarse = 0  # first moves of choose_first(), before their finer lengths
         self._at = 0  # the first move that is being followed by second ones
         self._left = 0  # 1 while these go left
         self._next = 0  # candidate at which the next slice goes on
-        self.least = NOTHING
-        self.chosen = 0
+        self.least = self.alone = NOTHING
+        self.chosen = self.alone_at = 0
         self.found = False
 
     def choose_first(self):
@@ -60,6 +63,9 @@ class TwoStep:
         self.candidate[n] = number // LENGTHS
         self.length[n] = env.lengths[number % LENGTHS]
         self.costs[n] = least
+        if self.alone == NOTHING and least < self._here + self.length[n]:
+            self.alone = least
+            self.alone_at = n
         suppress(env.count * LENGTHS, number, env.ends, env.turns, env.lengths, self.scores[mirroring], env.look_ahead // 12, env.half_length)
         self.count = self._coarse = n + 1
         return self.count == _COARSE

@@ -46,8 +46,8 @@ _stride = 1
 _idle = 0  # 1 while nothing is under way on the USB line
 _read = 0  # bytes taken in from it in this turn
 _boxes = 0  # looked for in this turn, for the screen
-_slice = 0  # of the cost to go: 0 lays the grid, 1 the trail; others close it, or let costs spread
-_closed = 0  # points that it has closed poses for
+_closed = 0  # points that the cost to go being made has closed poses for
+_CLOSE = const(7)  # the stage in which it does, cost_to_go.py
 _SLICE = const(20)  # closed at a time
 
 
@@ -472,19 +472,18 @@ def _(self, odometry):
 
 @_wraps(_COST_TO_GO, "planner.cost_to_go:CostToGo.step")
 def _(self, odometry, points):
-    global _slice, _closed
+    global _closed
     enter()
-    before = self.builds
+    stage = self._stage
     out = _originals[_COST_TO_GO](self, odometry, points)
     done()
     fresh = 0
-    if _slice > 1:
+    if stage == _CLOSE:
         fresh = max(min(points.count - _closed, _SLICE), 0)
         _closed += fresh
-    leave(_COST_TO_GO, fresh, 1 if _slice > 1 and not fresh else 0)
-    _slice += 1
-    if self.builds != before:
-        _slice = _closed = 0
+    else:
+        _closed = 0
+    leave(_COST_TO_GO, fresh, 1 if stage >= _CLOSE and not fresh else 0)
     return out
 
 

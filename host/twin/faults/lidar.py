@@ -152,7 +152,7 @@ class Lost(_Lidar):
         return b"" if lost else data
 
 
-@named("lidar-glass", "the front 135 degrees return nothing, as from glass")
+@named("lidar-glass", "the front 135 degrees return nothing, as from glass", within_ms=_TWICE_MS, again_s=0)
 class Glass(_Lidar):
     def distort(self, time, data):
         if not measures(data):
