@@ -28,6 +28,7 @@ Links add some of their own:
     text        text: what the robot printed between the frames
     truth       x, y, heading, clearance: where it really is (twin, recordings of the twin)
     world       walls ([[x1, y1, x2, y2], ...]), course (twin)
+    moving      walls, as of `world`: sides of what moves (twin)
     pace        speed (factor on real time, None: as fast as it goes), paused (twin)
     box         x, y, size (mm, 0: none): the box that was put into the robot's way (twin)
     event       text, time

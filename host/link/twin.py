@@ -97,7 +97,11 @@ def arguments_of(course: str, options: dict) -> dict:
 
 def world_of(course) -> dict:
     """Message `world` for a Course of the twin."""
-    return {"type": "world", "walls": [[round(float(v), 1) for v in segment] for segment in course.segments], "course": course.name}
+    return {"type": "world", "walls": _rounded(course.segments), "course": course.name}
+
+
+def _rounded(segments) -> list[list[float]]:
+    return [[round(float(v), 1) for v in segment] for segment in segments]
 
 
 class TwinLink(Link):
@@ -260,6 +264,8 @@ class TwinLink(Link):
         if now - self._looked >= _TRUTH_S:
             self._looked = now
             body = simulation.body
+            if (moving := simulation.scene.moving) is not None:
+                self._put({"type": "moving", "walls": _rounded(moving)})
             self._put({
                 "type": "truth", "x": round(float(body.x), 1), "y": round(float(body.y), 1), "heading": round(float(body.heading) * 57.29578, 2),
                 "clearance": round(float(simulation.contact.clearance()), 1), "time": simulation.now / 1e6,

@@ -22,6 +22,11 @@ class Scene:
         if self._moving:
             self._boxes = World(np.vstack([mover.at(time / 1e6) for mover in self._moving]))
 
+    @property
+    def moving(self):
+        """(n, 4): sides of what moves, as `Course.segments`; None where nothing does."""
+        return None if self._boxes is None else self._boxes.segments
+
     def ranges(self, x, y, bearing):
         """As World.ranges."""
         ranges = self.walls.ranges(x, y, bearing)

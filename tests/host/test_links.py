@@ -1,5 +1,6 @@
 """host.link: addresses, messages, the links to the twin, to a recording, over a serial line and over UDP."""
 
+import json
 import os
 import pty
 import select
@@ -412,3 +413,15 @@ def test_the_firmware_takes_no_orders_from_strangers(radio_robot):
             other.sendto(go, ("127.0.0.1", port))  # what was said before, word for word
             time.sleep(0.01)
     assert not select.select([process.stdout], [], [], 0.3)[0]
+
+
+def test_what_moves_in_the_twin_is_told_where_it_is(tmp_path):
+    world = tmp_path / "street.json"
+    mover = {"size": [300, 200], "path": [[0, -1000, 3000], [20, 1000, 3000]]}
+    world.write_text(json.dumps({"segments": [[-1500, -800, 1500, -800]], "start": [0, 0, 0], "moving": [mover]}))
+    with connect(f"twin:{world}?speed=4") as link:
+        first, later = link.wait_for("moving"), None
+        while (later := link.wait_for("moving")) and later["walls"] == first["walls"]:
+            pass
+    assert len(first["walls"]) == len(later["walls"]) == 4
+    assert [y for _, y, _, _ in first["walls"]] == [y for _, y, _, _ in later["walls"]] and first["walls"][0][0] < later["walls"][0][0]

@@ -183,19 +183,21 @@ export class Charts {
     return rows.slice(Math.max(0, first - 1), last + 1);
   }
 
+  // Where it stopped, and why, as far as there is room until the next stop.
   marks(pen, x, from, height) {
-    let free = LEFT;
-    for (const stop of stops(this.seen(this.rows, from))) {
-      const at = x(stop.at);
-      if (at < LEFT) continue;
-      this.upright(pen, at, height, colours.faint, [2, 3]);
-      const text = this.words(stop), wide = pen.measureText(text).width;
+    const found = stops(this.seen(this.rows, from)).map((stop) => ({ ...stop, x: x(stop.at) })).filter((stop) => stop.x >= LEFT);
+    found.forEach((stop, k) => {
+      this.upright(pen, stop.x, height, colours.faint, [2, 3]);
       pen.fillStyle = colours.text;
-      pen.fillText("■", at - 4, 11);
-      if (at + 8 < free || at + 8 + wide > LEFT + this.width) continue;
-      pen.fillText(text, at + 8, 11);
-      free = at + 16 + wide;
-    }
+      pen.fillText("■", stop.x - 4, 11);
+      const room = (found[k + 1]?.x ?? LEFT + this.width) - stop.x - 16;
+      let text = this.words(stop);
+      if (pen.measureText(text).width > room) {
+        while (text && pen.measureText(`${text}…`).width > room) text = text.slice(0, -1);
+        text = text.length > 3 ? `${text}…` : "";
+      }
+      pen.fillText(text, stop.x + 8, 11);
+    });
   }
 
   upright(pen, x, height, colour, dash) {

@@ -104,6 +104,7 @@ const HEAR = {
   },
   decision(message) {
     charts.note(message);
+    world.stopped(message, words.why(message));
     // Another page, the screen or the robot itself may have taken over.
     if (message.state !== "manual" && hand.longActive()) hand.release();
   },
@@ -218,7 +219,7 @@ get("scroll").oninput = () => charts.to(Number(get("scroll").value));
 function draw() {
   if (changed) {
     changed = false;
-    beside.at(charts.cursor ?? charts.length, stops(charts.rows));
+    beside.at(charts.cursor ?? charts.length, stops(charts.rows).map((one) => ({ ...one, text: words.why(one) })));
     map.draw();
     world.draw();
     charts.draw();

@@ -8,6 +8,7 @@ import { View } from "./view.js";
 
 const TRACK = 4000; // places remembered
 const RAD = Math.PI / 180;
+const NEAR_PX = 9;
 const BARS = [100, 200, 500, 1000, 2000, 5000, 10000]; // mm
 
 export class WorldMap {
@@ -26,6 +27,15 @@ export class WorldMap {
     this.track = [];
     this.believed = [];
     this.pair = null; // a true place and the believed one of the same moment
+    this.stops = []; // where it stopped while this page looked on: { x, y, text }
+    this.last = null;
+  }
+
+  // Remember where it came to a stop, and why; called for each decision.
+  stopped({ v }, text) {
+    const place = this.state.truth || this.state.pose;
+    if (v === 90 && this.last !== null && this.last !== 90 && place) this.stops.push({ x: place.x, y: place.y, text });
+    this.last = v;
   }
 
   // Remember where it is; called for each message of a place.
@@ -91,7 +101,7 @@ export class WorldMap {
 
   draw() {
     const { pen, width, height } = prepare(this.canvas);
-    const { truth, pose, hello, world, box } = this.state;
+    const { truth, pose, hello, world, box, moving } = this.state;
     const body = bodyOf(hello);
     const place = truth || pose;
     if (!place) return;
@@ -105,6 +115,7 @@ export class WorldMap {
     pen.lineWidth = 3 * this.pixel;
     pen.strokeStyle = colours.wall;
     for (const [x1, y1, x2, y2] of world?.walls || []) line(pen, [{ x: x1, y: y1 }, { x: x2, y: y2 }]);
+    for (const [x1, y1, x2, y2] of moving?.walls || []) line(pen, [{ x: x1, y: y1 }, { x: x2, y: y2 }]);
     if (box?.size) this.box(pen, box);
     this.tracks(pen, truth);
     if (this.other?.place) this.outline(pen, body, this.other.place, colours.other, false);
@@ -120,8 +131,8 @@ export class WorldMap {
     if (run) {
       pen.strokeStyle = faded(colours.chosen, 0.45);
       line(pen, run.track);
-      for (const mark of run.marks) if (mark.x !== undefined) cross(pen, mark.x, mark.y, colours.edge, 4, this.pixel);
     }
+    for (const mark of run ? run.marks : this.stops) if (mark.x !== undefined) cross(pen, mark.x, mark.y, colours.edge, 4, this.pixel);
     if (other?.track?.length) {
       pen.strokeStyle = colours.other;
       pen.setLineDash([9 * this.pixel, 4 * this.pixel]);
@@ -175,6 +186,8 @@ export class WorldMap {
     const { hover } = this.view;
     if (!hover) return this.tip("");
     const p = this.view.point(hover.x, hover.y);
+    const stop = (this.run ? this.run.marks : this.stops).find(({ x, y }) => Math.hypot(x - p.x, y - p.y) < NEAR_PX * this.pixel);
+    if (stop) return this.tip(`stopped here: ${stop.text}`, hover.x, hover.y);
     return this.tip(`x ${Math.round(p.x)} y ${Math.round(p.y)} mm, ${Math.round(Math.hypot(p.x - place.x, p.y - place.y))} mm from the robot's middle`, hover.x, hover.y);
   }
 }
