@@ -418,7 +418,7 @@ def test_the_firmware_takes_no_orders_from_strangers(radio_robot):
 def test_what_moves_in_the_twin_is_told_where_it_is(tmp_path):
     world = tmp_path / "street.json"
     mover = {"size": [300, 200], "path": [[0, -1000, 3000], [20, 1000, 3000]]}
-    world.write_text(json.dumps({"segments": [[-1500, -800, 1500, -800]], "start": [0, 0, 0], "moving": [mover]}))
+    world.write_text(json.dumps({"segments": [[-1500, -800, 1500, -800], [-1500, -800, -1500, 4000]], "start": [0, 0, 0], "moving": [mover]}))
     with connect(f"twin:{world}?speed=4") as link:
         first, later = link.wait_for("moving"), None
         while (later := link.wait_for("moving")) and later["walls"] == first["walls"]:
