@@ -12,6 +12,7 @@ _STOPPED = const(12)  # reasons.STOPPED
 _FAULT = const(13)  # reasons.FAULT
 _START = const(18)  # reasons.START
 
+_LIMITS = const(11)  # of safety/faults.py
 _ABRUPT = const(10)  # V
 
 _SLICES = const(6)  # of the decision before it waits for the next frame
@@ -179,9 +180,9 @@ class Robot:
             pass  # then it is not told
 
     def _command(self, af, ar, v):
-        """Steer and drive, no faster than safety lets it."""
+        """Steer and drive, no faster than safety lets it. False where a wheel cannot turn so far."""
         most = self.safety.most
-        self.drive.command(af, ar, min(max(v, 90 - most), 90 + most))
+        return self.drive.command(af, ar, min(max(v, 90 - most), 90 + most))
 
     def _stand(self, safety, seen):
         """Motors off, steering as it is; the surroundings are still looked at."""
@@ -217,6 +218,20 @@ class Robot:
         done = avoid.step(self.odometry)
         self._slices_us += ticks_diff(ticks_us(), began)
         if done:
-            self._command(avoid.af, avoid.ar, avoid.v)
+            if not self._command(avoid.af, avoid.ar, avoid.v):
+                self._limit()
             self.took_us = self._slices_us
             self._slices_us = 0
+
+    def _limit(self):
+        """What the planner wants a wheel's limits forbid: from now on it wants nothing of the kind. Takes long, while the robot stands."""
+        self.drive.stop()
+        from planner.limits import bar
+
+        wrong = bar(self)
+        if wrong:
+            self.safety.latch(_LIMITS)
+            if self.link is not None:
+                self.link.log(2, wrong)
+        self.avoid.observe(self.odometry, _FAULT, self.drive.af, self.drive.ar, 90)
+        self.feed()

@@ -457,6 +457,25 @@ def test_at_angles_beyond_a_servos_limits_the_robot_stops_as_it_is_steered():
     assert robot.drive.command(901, 0, 108) is False
 
 
+def test_limits_that_are_narrowed_count_with_the_next_command():
+    robot = _Robot().ready()
+    assert robot.drive.command(300, -300, 108)
+    robot.step(60)
+    for k in range(10):
+        robot.config.servos_high[k] = 100
+    robot.config.changes += 1
+    robot.step()
+    assert robot.drive.command(300, -300, 108) is False
+    robot.step()
+    assert robot.stands() and robot.drive.command(30, -30, 108)
+
+
+def test_the_first_wheel_beyond_its_limits_is_told():
+    robot = _Robot({"servos": {"high": [90, 90, 40] + [90] * 7, "low": [-90] * 7 + [-20, -90, -90]}}).ready()
+    assert (robot.drive.beyond(100, -100), robot.drive.beyond(600, 600), robot.drive.beyond(-300, -300)) == (-1, 2, 7)
+    assert robot.drive.command(0, 0, 108)
+
+
 def test_speeds_beyond_the_scale_are_held_to_it():
     robot = _Robot().ready()
     robot.drive.command(0, 0, 400)

@@ -1,11 +1,13 @@
 """What stops the robot and what starts it, through the whole firmware in the twin. docs/safety.md has all faults; here are the promises of firmware/lib/safety."""
 
+import numpy as np
 import pytest
 
 from host.link import messages
 from host.twin import Observer, run
 from link import frames as whole_frames
 from link import protocol
+from safety import faults
 
 INF = float("inf")
 COURSE = dict(course="Z", width=550, seed=1, chip=INF, record=False)
@@ -208,3 +210,33 @@ def test_nothing_fails_unseen_where_computing_takes_time():
     run("Z", 550, watch=bench, chip=1.0, record=False, limit_s=5)
     kinds = {kind for kind, _, _ in whole_frames.decode(bench.said)}
     assert bench.logs() == [] and {protocol.HEALTH, protocol.WHEELS, protocol.POINTS, protocol.DECISION} <= kinds
+
+
+class Angles(Bench):
+    """Notes the angles of the wheels, degrees, while the motors are on."""
+
+    def __init__(self):
+        super().__init__()
+        self.most = np.zeros(10)
+
+    def step(self, simulation):
+        super().step(simulation)
+        if simulation.electronics.motors_on:
+            self.most = np.maximum(self.most, np.degrees(np.abs(simulation.body.angles)))
+        self.away = np.hypot(simulation.body.x - simulation.course.start[0], simulation.body.y - simulation.course.start[1])
+
+
+def test_what_the_wheels_limits_forbid_is_not_wanted():
+    """One wheel of the first axle turns no farther than 35 degrees: the robot drives on with what it can do, and no wheel is told more."""
+    limits = {"servos.high": [35] + [90] * 9, "servos.low": [-35] + [-90] * 9}
+    bench = Angles()
+    run("Z", 650, seed=1, watch=bench, changes=limits, chip=1.0, record=False, limit_s=14)
+    assert bench.drove(8, 14) and bench.away > 800 and bench.most[0] < 37 < bench.most[1]
+    assert faults.LIMITS not in bench.faults() and not bench.resets
+
+
+def test_where_no_turn_is_left_a_wheel_is_named():
+    bench = Angles()
+    run("Z", 650, seed=1, watch=bench, changes={"servos.high": [90] + [1] * 9, "servos.low": [-90] + [-1] * 9}, chip=1.0, record=False, limit_s=11)
+    assert not bench.drove(9, 11) and faults.LIMITS in bench.faults() and not bench.resets
+    assert any("axle 1 right may turn -1 to 1 degrees only" in line for line in bench.logs())

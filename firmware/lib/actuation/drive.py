@@ -96,14 +96,10 @@ class Drive:
     def command(self, af, ar, v):
         """Steer AF, AR (0.1 deg) and drive at V (0 .. 180, 90 stops). False, and the robot stops as it is steered, if a wheel cannot turn so far."""
         goal = self._goal
-        config = self._config
-        if af != goal.af or ar != goal.ar:
+        if not self._possible or af != goal.af or ar != goal.ar:
             before_af, before_ar = goal.af, goal.ar
-            possible = goal.solve(af, ar)
-            for k in range(self._wheels):
-                if not config.servos_low[k] <= goal.angles[k] <= config.servos_high[k]:
-                    possible = False
-            if not possible:
+            self._possible = goal.solve(af, ar) and self._beyond(goal) < 0
+            if not self._possible:
                 goal.solve(before_af, before_ar)
                 self._goal_v256 = 0
                 return False
@@ -116,6 +112,19 @@ class Drive:
             self._pointed = None
             self._doubt()
         return True
+
+    def beyond(self, af, ar):
+        """Index of the first wheel that such a steering would turn farther than its limits, -1 if none."""
+        trial = self._trial
+        trial.solve(af, ar)
+        return self._beyond(trial)
+
+    def _beyond(self, steering):
+        config = self._config
+        for k in range(self._wheels):
+            if not config.servos_low[k] <= steering.angles[k] <= config.servos_high[k]:
+                return k
+        return -1
 
     def point(self, wheel, angle):
         """Turn one wheel alone, to find its trim and its limits; index of the wheel, angle in 0.1 deg, -900 .. 900.
@@ -183,6 +192,7 @@ class Drive:
         """What a servo period makes of the live parameters."""
         config = self._config
         self._changes = config.changes
+        self._possible = False  # the goal within the limits: looked at with the next command
         self.outputs.derive()
         period = self._period_us
         self._step = max(config.servos_rate * period // 100000, 1)  # 0.1 deg

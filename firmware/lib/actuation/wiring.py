@@ -86,6 +86,7 @@ def drive(self, steerings, outputs, config):
     self._due = -1
     self.af = self.ar = self.v256 = self.told_v256 = self._goal_v256 = self.restarts = 0
     self.turning = True
+    self._possible = False
     self._swinging = False  # the wheels were told to swing; turning without it: the robot still rolls
     self._delay = 0  # periods until the swing shows
     self._positions = array("h", bytes(2 * wheels))  # where the wheels are taken to stand

@@ -183,6 +183,7 @@ class MoveCost:
     x, y, heading: the body's when the decision began, 1/8 mm and 0.1 deg.
     checked: bytearray, 0 for the candidates of which only the lower bound is known.
     scores: words of 5 for each candidate, mm, lower is better, NOTHING where the way is not free as far.
+    bar: limits.Barred where wheels' limits forbid some candidates, or None
     """
 
     def __init__(self, cost_to_go, candidates):
@@ -192,6 +193,7 @@ class MoveCost:
 
     def configure(self, config):
         """Take over weights that may have been tuned."""
+        self.bar = None  # limits may be wider now; where they are not, the drive says so
         look_ahead = self._candidates.look_ahead
         job = self._job
         job[_WAY] = look_ahead * 3 // 7
@@ -238,6 +240,8 @@ class MoveCost:
     def _run(self, free, soft, scores):
         env = self._candidates
         _score(self._job, env.lengths, free, soft, scores, self.checked, self._poses, self.cost_to_go.cost, env.ends, env.turns, env.af, env.ar)
+        if self.bar is not None:
+            self.bar(self._job, free, scores)
 
     def score(self, mirroring, free, soft, scores, first, last, stride, af, ar, extra):
         """Fill the scores of candidates first, first + stride, ... before last in a mirroring.

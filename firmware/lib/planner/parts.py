@@ -82,6 +82,7 @@ def move_cost(self, cost_to_go, candidates):
     self._job = array("i", [0] * _MOVE_FIELDS)
     self._poses = array("i", [0] * 15)
     self.checked = bytearray(candidates.count)
+    self.bar = None
     self.x = self.y = self.heading = 0
 
 

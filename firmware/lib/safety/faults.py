@@ -15,10 +15,10 @@ MEMORY = 7
 CHIPS_AGAIN = 8  # latched: three times in a minute
 FAILED = 9  # latched: an exception in lidar, drive, planner or safety
 HUNG = 10  # latched: the watchdog has reset the board
-LIMITS = 11
+LIMITS = 11  # latched: the wheels' limits leave no steering
 SCAN = 12
 NOTHING_MOVES = 13
 TURNS_WRONG = 14
 TOO_SLOW = 15
 
-LATCHED = (MEMORY, CHIPS_AGAIN, FAILED, HUNG)
+LATCHED = (MEMORY, CHIPS_AGAIN, FAILED, HUNG, LIMITS)

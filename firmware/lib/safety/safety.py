@@ -87,7 +87,11 @@ class Safety:
 
     def failed(self, memory=False):
         """A part of the loop has raised an exception: `memory` when there was no room in the heap."""
-        self._latched = _MEMORY if memory else _FAILED
+        self.latch(_MEMORY if memory else _FAILED)
+
+    def latch(self, fault):
+        """Stand with that fault until a person starts it."""
+        self._latched = fault
         self.state = STOPPED
 
     def check(self, now_us):
