@@ -10,6 +10,7 @@ from host.twin import image
 from . import chip_memory, peak, rooms, targets, trace
 
 SCREEN = "link.screen"  # modules that are loaded with a screen only
+OPTIONS = (SCREEN, "goal.", "arm.")
 
 
 def live(config: dict, firmware: Path = image.FIRMWARE) -> dict[str, int | None]:
@@ -28,7 +29,7 @@ def measure(config: dict, firmware: Path = image.FIRMWARE) -> dict:
     return {
         "live_bytes": lives,
         "peak_bytes": peak.highest(config, firmware) if lives["usb"] else None,
-        "native_bytes": sum(sum(sizes) for module, sizes in pieces.items() if not module.startswith(SCREEN)),
+        "native_bytes": sum(sum(sizes) for module, sizes in pieces.items() if not module.startswith(OPTIONS)),
         "native_screen_bytes": sum(sum(sizes) for module, sizes in pieces.items() if module.startswith(SCREEN)),
         **_times(firmware),
         "word_bytes": micropython.find().word_bytes,

@@ -25,11 +25,21 @@ _RADIO = "import network, socket\n"
 _PROBED = 256 * KIB
 
 
-def board_heap(firmware, config_text):
-    """Bytes of heap that the firmware in the folder has on the board with that robot.json: gc.mem_alloc() + gc.mem_free() at main.py's first line."""
+def board_heap(firmware, config_text, files=()):
+    """Bytes of heap that the firmware in the folder has on the board with that robot.json: gc.mem_alloc() + gc.mem_free() at main.py's first line.
+
+    files: names of those on the board besides: with map.bin it has a goal layer.
+    """
     kept = image.compiled(firmware)[1].parent
     code = _remembered(kept / "machine_code.json", lambda: mpy.machine_code_bytes(firmware))
-    return (WITH_RADIO if radio(config_text) else HEAP_AND_CODE) - sum(code.values())
+    idle = not_loaded(_screen(config_text), "map.bin" in files, "arm.json" in files)
+    return (WITH_RADIO if radio(config_text) else HEAP_AND_CODE) - sum(count for name, count in code.items() if not name.startswith(idle))
+
+
+def not_loaded(screen, goal, arm):
+    """Where the files lie that are not loaded without these options, as a tuple of beginnings of their names."""
+    places = ("lib/link/screen", screen), ("lib/goal/", goal), ("lib/arm/", arm)
+    return tuple(place for place, wanted in places if not wanted)
 
 
 def heap_size(port, board, board_bytes, chip=None, radio=False, fault=None):
@@ -49,6 +59,14 @@ def taken_by_the_board(port, board, chip=None, radio=False, fault=None):
     """
     kept = "board_heap" + ("_chip" if chip else "") + ("_radio" if radio else "") + (f"_{zlib.crc32(fault):08x}" if fault else "")
     return _remembered(board.parent / f"{kept}.json", lambda: _probe(port, board, chip, radio, fault))
+
+
+def _screen(config_text):
+    """Whether that robot.json has a screen."""
+    try:
+        return json.loads(config_text)["screen"]["kind"] != "none"
+    except (ValueError, KeyError, TypeError):
+        return False
 
 
 def radio(config_text):

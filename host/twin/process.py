@@ -39,7 +39,7 @@ class Process:
             if tables := image.tables(config_text, firmware):
                 shutil.copyfile(tables, self._folder / "tables.bin")
             timing = self._chip(CHIP if chip is None else chip, Path(firmware))
-            self._words = self._command(engine, Path(firmware), config_text, heap, timing, (files or {}).get("fault.json"))
+            self._words = self._command(engine, Path(firmware), config_text, heap, timing, files or {})
             self._child = self._start(clock_us, POWER_ON)
         except BaseException:
             shutil.rmtree(self._folder)
@@ -118,7 +118,7 @@ class Process:
         (self._folder / "chip.json").write_text(text)
         return text
 
-    def _command(self, engine, firmware, config_text, heap, timing, fault):
+    def _command(self, engine, firmware, config_text, heap, timing, files):
         """What starts the firmware: the words before and behind those that _start puts in."""
         if engine == "cpython":
             # -S: site-packages have no place on the board; -u: what was printed before a reset has been printed.
@@ -128,8 +128,8 @@ class Process:
         board, compiled = image.compiled(firmware, port)
         image.lay_out(self._folder, board, compiled)
         if heap is None:
-            heap = memory.board_heap(firmware, config_text)
-        size = memory.heap_size(port, board, heap, timing, memory.radio(config_text), fault)
+            heap = memory.board_heap(firmware, config_text, files)
+        size = memory.heap_size(port, board, heap, timing, memory.radio(config_text), files.get("fault.json"))
         return [*port.command, "-X", f"heapsize={size}", "-m", "bootstrap"], []
 
     def _start(self, ticks, cause):
