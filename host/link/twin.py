@@ -141,6 +141,7 @@ class TwinLink(Link):
                 return
             self._begun = True
         self._thread.start()
+        self._tell_pace()
         self.greet()
 
     def kept(self) -> str:

@@ -47,7 +47,10 @@ def test_nothing_moves_while_the_digits_change(page):
 LAYOUT = """
 const cards = [...document.querySelectorAll("main .card")].filter((one) => one.offsetParent).map((one) => ({ id: one.id, ...one.getBoundingClientRect().toJSON() }));
 return { wide: document.documentElement.scrollWidth, view: innerWidth, high: innerHeight, scroll: document.documentElement.scrollHeight, cards,
-  stop: document.getElementById("stop").getBoundingClientRect().toJSON() };
+  stop: document.getElementById("stop").getBoundingClientRect().toJSON(), heads: ["", "a", "part of the program hung and was restarted: see the log, and so on"].map((text) => {
+    document.getElementById("reason").textContent = text;
+    return document.querySelector("header").offsetHeight;
+  }) };
 """
 
 
@@ -56,6 +59,7 @@ def test_it_fits_and_leaves_no_holes(page, size):
     page.size(*size)
     found = page.js(LAYOUT)
     cards, stop = found["cards"], found["stop"]
+    assert len(set(found["heads"])) == 1  # whatever is said, what stands below does not move
     assert found["wide"] <= found["view"]
     assert stop["top"] >= 0 and stop["bottom"] <= size[1] and stop["right"] <= size[0] and stop["width"] >= 100
     assert stop["height"] >= (44 if size[0] < 700 or size[1] < 560 else 30)

@@ -96,6 +96,11 @@ def test_why_a_candidate_was_refused_is_told_where_it_is_pointed_at(page):
     assert shown > 100 > standing > 5
 
 
+def test_its_pace_is_shown_from_the_start(page):
+    assert latest(page, "pace") == {"type": "pace", "speed": 1.0, "paused": False}
+    assert page.js("return document.querySelector('[data-id=speeds] [aria-checked=true]').dataset.value") == "1"
+
+
 def test_the_twin_stands_still_in_time_and_goes_on_by_one_decision(page):
     page.tab("twin")
     page.click("auto")

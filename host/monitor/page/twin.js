@@ -75,6 +75,7 @@ export const twin = {
     if (!this.there) return;
     const [place, query] = address.slice("twin:".length).split("?"), given = new URLSearchParams(query);
     Object.assign(this, { course: place.toLowerCase(), given });
+    this.get("box").setAttribute("aria-pressed", false);
     for (const id of ["pause", "step", "box"]) this.get(id).disabled = false;
     this.get("seed").value = given.get("seed") || 0;
     this.get("screen").value = given.get("screen") || "";
