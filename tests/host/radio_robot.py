@@ -75,6 +75,7 @@ class Robot:
     feed = bool
     drive = Drive
     took_us = 0
+    goal = None
 
 
 encoder = Encoder()
