@@ -35,6 +35,25 @@ def _touch(station, what: dict) -> None:
     _twin(station).touch(float(what["x"]), float(what["y"]))
 
 
+def _arm(link: Link, what: dict) -> None:
+    angles = [float(angle) for angle in what.get("angles", ())][:12]
+    link.arm(str(what["what"]), approach=bool(what.get("approach")), joint=int(what.get("joint", 0)), angle=float(what.get("angle", 0)), angles=angles)
+
+
+def _reach(link: Link, what: dict) -> None:
+    data = bytes.fromhex(str(what["data"]))
+    if len(data) > 190:
+        raise ValueError("a piece of a trajectory has at most 190 bytes")
+    link.reach(int(what["offset"]), data)
+
+
+def _reaches() -> dict:
+    """The trajectories in out/arm/; the page chooses among them, and names no file."""
+    from host.arm.page import listing
+
+    return listing()
+
+
 @lru_cache(maxsize=1)
 def _courses() -> dict:
     """What the twin can be asked for: its courses with their walls, for small pictures, and what can fail."""
@@ -56,12 +75,15 @@ TO_ROBOT: dict[str, Callable[[Link, dict], None]] = {
     "list": lambda link, what: link.request_parameters(),
     "watch": lambda link, what: link.watch(bool(what.get("scan")), bool(what.get("candidates")), bool(what.get("turns"))),
     "restart": lambda link, what: link.restart(),
+    "arm": _arm,
+    "reach": _reach,
     "point": lambda link, what: link.point(int(what["wheel"]), float(what["angle"])),
 }
 
 HERE: dict[str, Callable] = {
     "compare": lambda station, what: station.compare(str(what.get("path") or "")),
     "run_again": lambda station, what: station.run_again(dict(what.get("set") or {})),
+    "reaches": lambda station, what: _reaches(),
     "courses": lambda station, what: _courses(),
     "pace": _pace,
     "box": _box,

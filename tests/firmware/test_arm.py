@@ -42,7 +42,13 @@ class _Link:
     def __init__(self):
         self.safety = _Part()
         self.logs = []
-        self.stops = 0
+        self.stops = self.length = 0
+
+    def stop(self):
+        self.stops += 1
+
+    def again(self, data, now_us, robot):
+        return self.length
 
     def log(self, level, text):
         self.logs.append(text)
@@ -57,7 +63,7 @@ class _Robot:
         self.enable = FakePin()
         self.own = own
         self.now = BEGIN
-        armed.ticks_us = requests.ticks_us = lambda: self.now
+        armed.ticks_us = requests.ticks_us = build.ticks_us = lambda: self.now
         self.chips = (
             PCA9685(self.bus, 0x40, config.servos_frequency, config.servos_oscillator, max(config.servos_channels) + 1),
             PCA9685(self.bus, 0x41, config.motors_frequency, channels=max(config.motors_channels) + 2),
@@ -253,6 +259,20 @@ def test_what_freezes_it():
     robot.step(200)
     robot.say(protocol.ARM, 3)
     assert robot.arm.state == PLAYS
+
+
+def test_a_stop_of_the_link_freezes_it_and_its_state_is_told():
+    robot = _playing()
+    data = bytearray(64)
+    assert robot.link.again(data, ticks_add(robot.now, 100_000), robot) == 3 + 2 * 3  # the link itself has nothing to tell
+    assert data[3] == protocol.ARM_STATE and data[8] == PLAYS and data[10] == 3
+    assert struct.unpack_from("<3h", data, 11) == tuple(robot.arm.angles)
+    assert robot.link.again(data, ticks_add(robot.now, 150_000), robot) == 0  # ten times a second
+    robot.link.length = 7
+    assert robot.link.again(data, ticks_add(robot.now, 300_000), robot) == 7
+    robot.link.stop()
+    assert robot.link.stops == 1
+    _frozen(robot, HELD)
 
 
 def test_with_while_driving_the_wheels_may_turn():

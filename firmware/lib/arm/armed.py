@@ -20,7 +20,6 @@ from time import ticks_add, ticks_diff, ticks_us
 from micropython import const
 
 from actuation.outputs import Outputs
-from link.link import Link
 from link.telemetry import copy
 
 _OFF = const(0)
@@ -84,11 +83,11 @@ class Armed(Outputs):
     def stop(self):
         """What the link's stop does now."""
         self.freeze(_FAULT if self.link.safety.fault else _HELD)
-        Link.stop(self.link)
+        self._link_stop()
 
     def again(self, data, now_us, robot):
         """What the link tells again and again, and the arm."""
-        length = Link.again(self.link, data, now_us, robot)
+        length = self._link_again(data, now_us, robot)
         if not length and ticks_diff(now_us, self._told_us) >= _TOLD_US:
             self._told_us = now_us
             data[3] = _ARM

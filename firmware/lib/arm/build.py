@@ -3,6 +3,7 @@
 import json
 import os
 from array import array
+from time import ticks_us
 
 from micropython import const
 
@@ -38,10 +39,13 @@ def add(config, drive, link, chips, enable, own):
 def _begin(self, link, servo, own, while_driving):
     """The fields of an Armed that stands still, without power."""
     self.link = link
+    self._link_stop = link.stop  # the bound methods: the names of classes are let go after the start
+    self._link_again = link.again
     self.servo = servo
     self._own = own
     self.while_driving = while_driving
-    self.state = self.why = self.heard_us = self.began_us = self._told_us = self.woken = 0
+    self.state = self.why = self.woken = 0
+    self.heard_us = self.began_us = self._told_us = ticks_us()
     self.file = None
     self._kept = self._own_on = False
 

@@ -8,11 +8,12 @@
 //     drawWorld(pen, view), drawRobot(pen, view)   over the map from above, round the robot; the pen is in mm, view.pixel is a CSS pixel in mm
 //     press(point)   { x, y } mm in the map from above; true: it was meant for this panel. Asked only while its tab is open
 
+import { arm } from "./arm.js";
 import { gamepad } from "./gamepad.js";
 import { screen } from "./screen.js";
 import { twin } from "./twin.js";
 
-const MODULES = [twin, gamepad, screen];
+const MODULES = [arm, twin, gamepad, screen];
 
 export class Panels {
   // page: what modules get, see main.js. state: the latest messages.
