@@ -185,7 +185,7 @@ def test_a_fault_takes_the_last_line():
     points()
     Robot.safety.fault = 4
     try:
-        assert any(b"'! battery is empty',1" in part for part in parts(show()[0]))
+        assert any(b"'! battery empty',1" in part for part in parts(show()[0]))
     finally:
         Robot.safety.fault = 0
 

@@ -55,6 +55,7 @@ _BUTTONS = const(2)
 _STATES = const(3)
 _STEERING = const(6)
 _HEALTH = const(7)
+_START = const(8)
 _REASONS = const(10)
 
 
@@ -62,7 +63,7 @@ class Screen:
     """Shows the robot on a screen and hears its buttons.
 
     uart: UART with a txbuf of at least 256 bytes; kind, baud: screen.kind and screen.baud of robot.json; config: Config.
-    page: 0, or the number of what is being set, of screen_menu.py, plus 1. queue: commands to be sent before all else, as (texts, ends, number); anew: those for a screen that knows nothing.
+    page: 0, or the number of what is being set, of screen_menu.py, plus 1. queue: commands to be sent before all else, as (texts, ends, number).
     texts, ends, work: see screen_kernels.py.
     """
 
@@ -107,10 +108,11 @@ class Screen:
             work[_SENT_US] = int(now_us)
             work[_ANSWERED] = work[_COORDINATES]  # a Nextion is told not to answer
 
-    def leave(self):
-        """Show the three buttons and all lines."""
+    def leave(self, anew=False):
+        """Show the three buttons and all lines; `anew` on a screen that knows nothing yet."""
         self.page = 0
-        self.queue.append((self.texts, self.ends, _BUTTONS))
+        for number in (_START, _START + 1, _BUTTONS) if anew else (_BUTTONS,):
+            self.queue.append((self.texts, self.ends, number))
         for line in range(_LINES):
             self.work[_SHOWN + line] = 0
 
@@ -192,8 +194,7 @@ class Screen:
             work[_MUTE] = 0
         if said & _RESTARTED:  # it shows nothing of what it was told
             self.queue.clear()
-            self.queue.extend(self.anew)
-            self.leave()
+            self.leave(True)
             work[_Y] = _ROWS
             work[_FILLED] = 0
             cells = ptr8(self._cells)

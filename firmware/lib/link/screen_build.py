@@ -4,6 +4,7 @@ Three families: screen_usart_gpu.py, screen_uart_lcd.py, screen_nextion.py, of w
 240 x 320. Source: the vendors' command lists; they disagree from unit to unit, so the dialect must be tried.
 """
 
+import sys
 from array import array
 
 from micropython import const
@@ -22,10 +23,10 @@ _FORMS = (
 )
 
 # A line each, by the numbers of planner/reasons.py and safety/faults.py, as short as a line of the screen; reason_texts.py has them in full
-REASONS = b"""waiting for the lidar
+REASONS = b"""waiting for lidar
 way ahead is free
 through the gap
-away from an obstacle
+off an obstacle
 lining up sideways
 second move
 planning two moves
@@ -41,39 +42,36 @@ by hand
 another way
 new in the way
 press START
-waiting for a goal
+awaits a goal
 at its goal
-! goal cannot be reached
+! goal unreachable
 lost on its map
 """
 FAULTS = b"""
 ! stop button
-! lidar is silent
+! lidar silent
 ! PWM chip silent
-! battery is empty
-! well again, waiting
-! computing too slow
+! battery empty
+! well again
+! too slow
 ! out of memory
-! PWM chip lost 3 times
+! PWM chip lost 3x
 ! program failed
 ! program hung
 ! wheel limits
 ! scan not trusted
 ! nothing moves
-! turns the wrong way
+! turns wrong way
 ! slow, or slips
 """
 
 
 def build(self, uart, kind, baud, config, size):
     """Fields of a Screen."""
-    if kind == "usart-gpu":
-        from link import screen_usart_gpu as dialect
-    elif kind == "uart-lcd":
-        from link import screen_uart_lcd as dialect
-    else:
-        from link import screen_nextion as dialect
-    self.texts = texts = dialect.DRAWING + _FORMS + dialect.START + REASONS + FAULTS
+    name = "link.screen_" + kind.replace("-", "_")
+    __import__(name)
+    dialect = sys.modules[name]
+    self.texts = texts = b"".join((dialect.DRAWING, _FORMS, dialect.START, REASONS, FAULTS))
     self.ends = ends = array("H", bytes(2 * texts.count(b"\n")))
     end = 0
     for k in range(len(ends)):
@@ -87,14 +85,13 @@ def build(self, uart, kind, baud, config, size):
     numbers = (36, 1, scale, config.robot_length // 2, int(nextion)) + fills + (first_fault, line_us, line_us + 300_000, line_us + 50_000, 0, 0, 1)
     self.work = array("i", (0,) * 16 + dialect.COLOURS + numbers + (0,) * 7)
     dialect = None
-    forget("link.screen_usart_gpu", "link.screen_uart_lcd", "link.screen_nextion")
+    forget(name)
     self._uart = uart
     self._command = bytearray(size)
     self._input = bytearray(16)
     self._cells = cells = bytearray(_CELLS)
-    self.anew = tuple([(texts, ends, number) for number in (8, 9)])
-    self.queue = list(self.anew) + [(texts, ends, 2)]
-    self.page = 0
+    self.queue = []
+    self.leave(True)
     across = -(-config.robot_width // (2 * scale))
     along = -(-config.robot_length // (2 * scale))
     cells[_SHAPE] = max(_COLUMNS // 2 - across, 0)
