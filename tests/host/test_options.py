@@ -106,3 +106,9 @@ def test_a_board_without_calibration_drives_and_says_so(tmp_path):
     witness = drive(tmp_path, {}, UNCALIBRATED)
     assert "not calibrated" in witness.told("log")[0]["text"]
     assert abs(witness.told("health")[-1]["battery"] - 7.8) < 0.1
+
+
+def test_a_start_without_the_tables_is_told(tmp_path, monkeypatch):
+    assert not [log for log in drive(tmp_path, {}).told("log") if "tables.bin" in log["text"]]
+    monkeypatch.setattr(image, "tables", lambda text, firmware: None)
+    assert [log for log in drive(tmp_path, {}).told("log") if log["text"].startswith("tables.bin was missing")]

@@ -17,6 +17,7 @@ _WDT_RESET = const(3)
 _GOOD = const(".good")
 _BLOCK = const(64)
 
+_TABLES_MADE = const("tables made")  # as in planner/tables.py
 _THIS = const("core/start.mpy")
 _IMPORT_ONLY = const("__file__ __name__ const")  # what modules need for their import, and never again
 
@@ -73,6 +74,8 @@ def _build(path, note):
     lidar = _lidar(config, lidar_line, motor)
     safety, health, remarks = _safety(config, lidar, drive, button, adc, note)
     link = _link(config, safety, wlan, remark)
+    if _TABLES_MADE in once:
+        remarks.append("tables.bin was missing, or for another robot.json: making its tables took seconds of this start; make deploy puts it on the board")
     for remark in remarks + [doubt] * bool(doubt):
         link.log(1, remark)
     robot = _robot(config, avoid, lidar, drive, safety, health, link, screen_line, _goal(config, avoid, world))

@@ -22,6 +22,7 @@ from micropython import const
 from core.unload import unload
 
 PATH = "tables.bin"
+_MADE = const("tables made")  # key in Config.once, where it was no use
 TYPES = ("hhHHBHiHH", "BHH")  # of the arrays of each part; B: a bytearray
 _VERSION = const(8)  # to be raised whenever a table comes to mean something else, or is made otherwise
 _HEAD = const(12)
@@ -62,6 +63,7 @@ def load(config, part):
         keep(config, arrays, part)
         make_tables = None
         unload("planner.make_tables")
+        config.once[_MADE] = True
     return arrays
 
 
