@@ -54,6 +54,7 @@ class Station:
         self._record_next = record
         self._latest: dict = {}
         self._parameters: dict = {}
+        self._twin_s: str | None = None  # where the twin records itself, so that it can be replayed
         self._kept = ""  # robot.json that the twin kept, for its next run
         self._recorder: LinkRecorder | None = None
         self._given = address  # by the person who started the monitor: may be opened again, whatever it is
@@ -70,6 +71,7 @@ class Station:
         link = connect(address + (("&" if "?" in address else "?") + f"record={record}" if twin and record else ""), begin=False)
         self.close()
         self.address = address
+        self._twin_s = record if twin else None
         self._latest.clear()
         self._parameters.clear()
         self.link = link
@@ -175,7 +177,10 @@ class Station:
             if do == "open":
                 self.open(self._allowed(str(what["address"])))
             elif do == "again":
-                self.open(self._next_address(what))
+                address = self._next_address(what)
+                if what.get("record") and address.startswith("twin:"):
+                    self._record_next = time.strftime("out/%Y%m%d-%H%M%S-twin.rec")
+                self.open(address)
             elif do == "recordings":
                 return {"type": "recordings", "list": recordings.newest(RECORDINGS)}
             elif do == "record":
@@ -211,7 +216,7 @@ class Station:
             options["config"] = self._kept
         if course := what.get("course"):
             # What was given on the command line stays, but for the shape of another course.
-            for name in ("width", "gap", "angle", "record"):
+            for name in ("width", "gap", "angle", "length", "side", "start", "goal", "record"):
                 options.pop(name, None)
             place = str(course)
             if place not in course_names():
@@ -283,6 +288,8 @@ class Station:
             if message["type"] == "reply" and message["command"] == "keep" and message["status"] == "ok":
                 message = {**message, "kept": self._where_kept(link)}
             self._tell(message)
+            if message["type"] == "ended" and self._twin_s:
+                self._tell({"type": "recording", "path": self.recording, "saved": self._twin_s})
 
     def _where_kept(self, link: Link) -> str:
         try:

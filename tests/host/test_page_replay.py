@@ -133,3 +133,23 @@ def test_a_recording_with_raw_scans_has_them(monitor):
         assert len(told) > 3 and all(len(scan["distances"]) > 300 for scan in told)
     finally:
         path.unlink()
+
+
+def test_a_run_of_the_twin_that_is_recorded_from_its_start_can_be_driven_again(monitor):
+    page = monitor("twin:z?width=620&speed=20&autostart=1")
+    page.size(1440, 900)
+    page.tab("twin")
+    assert page.until(lambda: page.browser.find_elements("css selector", ".courses button"))
+    page.js(
+        "document.querySelector('[data-id=size]').value = 700; document.querySelector('[data-id=record]').click(); document.querySelector('[data-id=form] button.main').click()"
+    )
+    page.tab("record")
+    assert page.until(lambda: page.text("saved").endswith("-twin.rec"), 40)
+    path = page.text("saved")
+    try:
+        page.click("saved")
+        assert page.until(lambda: page.browser.find_element("id", "again-with").is_displayed(), 10)
+        page.js("document.querySelector('#again-with button').click()")
+        assert page.until(lambda: "decisions compared: all the same" in page.text("beside-name"), 40), page.text("again-note")
+    finally:
+        (ROOT / path).unlink()

@@ -24,6 +24,7 @@ const FORM = `
       <label>after <input type="number" data-id="after" min="0" max="3599" step="0.5" placeholder="4"> s</label>
       <button type="button" data-id="mirror" aria-pressed="false">Mirrored</button>
       <button type="button" data-id="reverse" aria-pressed="false">From the other end</button>
+      <button type="button" data-id="record" aria-pressed="false" title="into out/, from the start, so that the firmware can drive it again">Recorded</button>
       <button class="main">Drive</button>
     </p>
     <p class="trouble" role="alert" data-id="trouble" hidden></p>
@@ -45,7 +46,7 @@ export const twin = {
     this.speed = choices(get("speeds"), SPEEDS, 1, (speed) => send({ do: "pace", speed }));
     toggle(get("box"), (on) => this.place(on ? Number(get("box-size").value) : 0));
     get("box-size").onchange = () => isOn(get("box")) && this.place(Number(get("box-size").value));
-    for (const id of ["mirror", "reverse"]) toggle(get(id), () => {});
+    for (const id of ["mirror", "reverse", "record"]) toggle(get(id), () => {});
     get("form").onsubmit = (event) => {
       event.preventDefault();
       this.drive();
@@ -112,7 +113,7 @@ export const twin = {
     this.trouble("");
     this.page.send({
       do: "again", course, [this.size]: get("size").value, seed: get("seed").value, mode: get("mode").value, screen: get("screen").value, fault: fault && after ? `${fault}@${after}` : fault,
-      mirror: isOn(get("mirror")) ? 1 : "", reverse: isOn(get("reverse")) ? 1 : "",
+      mirror: isOn(get("mirror")) ? 1 : "", reverse: isOn(get("reverse")) ? 1 : "", record: isOn(get("record")),
     });
   },
 
