@@ -50,7 +50,7 @@ class Avoid:
         plan = self.plan
         self._see(odometry)
         # What rolls out in the motors' time constant, and a little.
-        if plan.look() >= speed // 9:
+        if plan.look() >= speed // 9 and not self.map.threatened:
             return False
         plan.stand(_BLOCKED)
         self.decision.stage = REST
@@ -84,7 +84,10 @@ class Avoid:
         decided = self.decision.step(odometry)
         ways = self.ways
         if decided:
-            self.plan.choose_speed(_RED if self.map.doubt else self.windows.urgent, self.config)
+            if self.map.threatened:
+                self.plan.stand(_BLOCKED)
+            else:
+                self.plan.choose_speed(_RED if self.map.doubt else self.windows.urgent, self.config)
             self._publish(1)
         self.points_count = ways.n
         self.points_ordered = ways.ordered

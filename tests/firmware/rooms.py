@@ -74,6 +74,7 @@ class Sight:
     frame_us = 0
     period_us = FRAME_US
     lone = lone_range = returned = 0
+    intruder = False
 
     def __init__(self):
         self.n = POINTS

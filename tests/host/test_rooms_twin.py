@@ -95,3 +95,12 @@ def test_people_who_have_left_are_forgotten():
 def box_at(x, y, half=60.0):
     corners = np.array([(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)])
     return np.hstack([corners, np.roll(corners, -1, axis=0)])
+
+
+@pytest.mark.parametrize("seed", [2, 5])
+def test_nobody_who_crosses_or_comes_is_touched_by_its_own_motion(seed):
+    """At 0.3 to 1.2 m/s: the robot stands while somebody is near, and goes on."""
+    result = run(rooms.people(seed), seed=seed + 1, **QUICK)
+    assert (result.result, result.contacts) == ("pass", 0)
+    stood = [decision.time_us for decision in result.log if decision.why == 17 and decision.time_us > 2e6]  # reasons.BLOCKED
+    assert stood and 0.3e6 < stood[-1] - stood[0] < 6e6

@@ -27,6 +27,7 @@ def lidar(self, uart, motor_pwm, config):
     self._motor = motor_pwm
     self.n = self.place = self.frame_us = self.speed20 = self.frames = self.speed_faults = self.overflows = self._motor_sum = 0
     self.lone = self.lone_range = self.returned = 0  # of scan_trust.py
+    self.intruder = False
     self.ok = False
     self.bearings = array("H", bytes(2 * _MAX_POINTS))
     self.distances = array("H", bytes(2 * _MAX_POINTS))

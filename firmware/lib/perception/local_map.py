@@ -26,6 +26,7 @@ from core.trig import SIN, cos14, sin14
 
 _SAME = const(320)  # 1/8 mm: as near to one another two beams have met the same
 _SOON = const(40)  # 0.6 s
+_STAND = const(8)  # revolutions without anything that comes, until it is taken to have gone or to stand
 _LONES = const(24)  # words: x, y, _NOW of eight
 _CAPACITY = const(320)
 _CROWDED = const(270)
@@ -402,13 +403,18 @@ class LocalMap:
     x, y: array('H') of their coordinates on the floor, 1/8 mm modulo 2**16; the first `count` count.
     state: array('i') whose places have names above, the count first
     keep: mm rolled before an unseen point is given up
-    doubt: frames for which a lone reading in the lane has still to be confirmed
+    doubt: frames for which the robot is careful: a revolution after a lone reading in its lane; for more than that it stands, because something comes
     """
 
     def __init__(self, config):
         from perception.build import local_map
 
         local_map(self, config)
+
+    @property
+    def threatened(self):
+        """Whether something that moves by itself has come near within the last frames."""
+        return self.doubt > self._frames
 
     @property
     def count(self):
@@ -470,6 +476,8 @@ class LocalMap:
         )  # fmt: skip
         if self.doubt:
             self.doubt -= 1
+        if lidar.intruder:
+            self.doubt = self._frames * (1 + _STAND)
         if lidar.lone:
             self._weigh(lidar, lidar.lone - 1, heading, odometry.step_y)
         # Nothing returned is evidence where most does, or where the robot has been told so.
@@ -489,7 +497,7 @@ class LocalMap:
         right = far * sin14(b) >> 16
         front = far * sin14(b + 900) >> 16
         if abs(right) < self._lane and 0 < (front if ahead > 0 else -front) < self._ahead and ahead:
-            self.doubt = self._frames
+            self.doubt = max(self.doubt, self._frames)
         b = heading // 100 + b
         now = state[_TIME] >> 14
         px = state[_X] + (far * sin14(b) >> 13) & 0xFFFF

@@ -23,6 +23,9 @@ have changed is told by the odometry (range flow):
                       \\___.     a place farther on, where the wall slopes
     bin j now         o---->
 
+What moves by itself near the robot: a bin that shows something nearer than all the bins round it were a revolution before, by more than the robot's motion tells
+(`lidar.intruder`). The robot stands until nothing has come for a while (LocalMap.doubt).
+
 Bins are weighed by the square of what is expected: beside a parallel wall nothing is, and nothing is said. Those agree that changed as expected,
 a quarter more or less. People who walk about spoil some bins; a robot that does not move as told spoils nearly all. The ratio, of the sum of
 observed * expected to the weight, is 1 where the robot moves as told, 1/2 at half the speed, 0 where nothing moves, and negative where it goes
@@ -50,6 +53,12 @@ _CONE = const(375)  # 0.1 deg to either side of straight ahead or back: there th
 _NEAR_BORDER = const(400)  # mm before the border the robot gets slow
 
 _BINS = const(4)  # of a place
+
+# What comes: it is nearer in its bin than any of the bins round it was, and than the robot's own motion tells
+_NEAR_BY = const(800)  # mm from the outline
+_CAME = const(35)  # mm
+_NEIGHBOURS = const(3)  # of six bins that must have been seen
+_NOWHERE = const(30000)
 _JUMP = const(200)  # mm: more is another surface
 _INFORMED = const(4000)  # mm**2, weight from which on something can be told
 _STEEP = const(400)  # mm from bin to bin: on steeper surfaces ranges say little
@@ -179,6 +188,7 @@ class ScanTrust:
         at = lidar.place * _ROW
         n = lidar.n
         found = self._found
+        lidar.intruder = False
         lidar.lone = _sift(lidar.distances, lidar.bearings, n, found, self._own)
         lidar.lone_range = found[_ALONE]
         lidar.returned = returns = found[_COUNT]
@@ -335,6 +345,20 @@ class ScanTrust:
             there = (k << 8) + turned
             one = rows[before + (there >> 8) % turn]
             slope = rows[before + ((there >> 8) + 1) % turn] - one
+            if known and seen:
+                s = lidar.bearings[(i + n) >> 4]
+                if seen - (self._own[s >> 5] << 3) < _NEAR_BY:
+                    least = _NOWHERE
+                    missing = _NEIGHBOURS
+                    c = there >> 8
+                    for j in range(c - 2, c + 4):
+                        c = rows[before + j % turn]
+                        if c:
+                            missing -= 1
+                            if c < least:
+                                least = c
+                    if missing <= 0 and seen < least - _CAME - ((dx * sin14(s) + dy * cos14(s)) >> 16):
+                        lidar.intruder = True
             if known and seen and was and -one < slope * 6 < one:
                 there = one + (slope * (there & 255) >> 8)
                 s = lidar.bearings[(i + n) >> 4]
