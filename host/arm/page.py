@@ -46,4 +46,3 @@ def _shown(name: str, one: Reach) -> dict:
         "pieces": [data[at : at + PIECE].hex() for at in range(0, len(data), PIECE)],
         "piece": PIECE,
     }
-

@@ -180,7 +180,7 @@ export const arm = {
     const box = document.createElement("p"), label = document.createElement("label"), input = document.createElement("input"), out = document.createElement("output");
     const [low, high] = shape?.limits[k] || [-180, 180];
     box.className = "joint";
-    Object.assign(input, { type: "range", min: low, max: high, step: 0.5 });
+    Object.assign(input, { type: "range", min: Math.ceil(low), max: Math.floor(high), step: 0.5 });
     label.append(`${shape?.names[k] || `joint ${k + 1}`} `, input);
     input.onchange = () => {
       this.queue = [];
@@ -214,6 +214,11 @@ export const arm = {
       };
       return [go, drop];
     }));
+  },
+
+  trouble(text) {
+    this.get("trouble").textContent = text;
+    this.get("trouble").hidden = !text;
   },
 
   shape() { return (this.chosen() || this.reaches[0])?.arm; },
