@@ -10,7 +10,8 @@ from host.twin import image
 from . import chip_memory, peak, rooms, targets, trace
 
 SCREEN = "link.screen"  # modules that are loaded with a screen only
-OPTIONS = (SCREEN, "goal.", "arm.")
+GOAL = "goal."  # with a map only
+OPTIONS = (SCREEN, GOAL, "arm.")
 
 
 def live(config: dict, firmware: Path = image.FIRMWARE) -> dict[str, int | None]:
@@ -31,6 +32,7 @@ def measure(config: dict, firmware: Path = image.FIRMWARE) -> dict:
         "peak_bytes": peak.highest(config, firmware) if lives["usb"] else None,
         "native_bytes": sum(sum(sizes) for module, sizes in pieces.items() if not module.startswith(OPTIONS)),
         "native_screen_bytes": sum(sum(sizes) for module, sizes in pieces.items() if module.startswith(SCREEN)),
+        "native_goal_bytes": sum(sum(sizes) for module, sizes in pieces.items() if module.startswith(GOAL)),
         **_times(firmware),
         "word_bytes": micropython.find().word_bytes,
     }

@@ -38,6 +38,7 @@ def rows(figures: dict) -> list[Row]:
         Row("highest ever over live", figures["peak_bytes"], COMES_AND_GOES, "KiB"),
         Row("machine code", figures["native_bytes"], 36 * KIB, "KiB"),
         Row("machine code with a screen, besides", figures["native_screen_bytes"], 10 * KIB, "KiB"),
+        Row("machine code with a map, besides", figures["native_goal_bytes"], 2 * KIB, "KiB"),
         Row("start, main.py to the first decision", figures["start_ms_esp32"], 4000, "ms"),
         Row("worst turn of the loop", figures["turn_worst_ms_esp32"], 9.5, "ms"),
         Row("link.update, worst", figures["link_worst_ms_esp32"], 1.5, "ms"),
