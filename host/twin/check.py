@@ -51,7 +51,7 @@ def picture(path, option="--picture", ends=(".png", ".svg", ".pdf")):
     """A file in which the picture of a run can be drawn, checked before the run. ValueError says what is wrong."""
     path = Path(path)
     if path.suffix.lower() not in ends:
-        raise ValueError(f"{option} {path}: the name must end in {' or '.join(ends)}")
+        raise ValueError(f"{option} {path}: the name must end in {' or '.join((', '.join(ends[:-1]), ends[-1]) if ends[1:] else ends)}")
     if path.is_dir():
         raise ValueError(f"{option} {path}: this is a folder; name a file in it")
     if not path.absolute().parent.is_dir():
