@@ -7,6 +7,7 @@ import ast
 import math
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -26,6 +27,10 @@ from host import compat, micropython
 from host.twin import process
 
 compat.install()
+
+# A shell's background job ignores Ctrl-C, and so would all that the tests start: those that interrupt it would wait for ever.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Most tests look at what the firmware does, not at when: computing takes no time, and the start is over at once. Those for which time counts name a chip.
 process.CHIP = math.inf
