@@ -38,7 +38,7 @@ angles degrees clockwise.
 """
 KINDS = {
     "int": "whole number", "number": "number", "flag": "true or false", "choice": "one of these", "text": "text", "pin": "GPIO or null", "address": "I2C address",
-    "spacings": "list", "wheels": "number, or one a wheel", "signs": "1 or -1, or one a wheel", "pairs": "one an axle", "needed": "GPIO",
+    "spacings": "list", "wheels": "number, or one a wheel", "signs": "1 or -1, or one a wheel", "pairs": "one an axle", "sectors": "list of [from, to]", "needed": "GPIO",
 }  # fmt: skip
 FINE = ("deg", "r/s", "times")  # units of which the robot counts parts
 NEEDED = ("lidar.rx", "i2c.scl", "i2c.sda")

@@ -132,6 +132,18 @@ def test_a_file_far_too_large_is_refused_unread():
         os.remove(path)
 
 
+def test_sectors_to_leave_out():
+    assert Config({"lidar": {"left_out": [[-20, 10], [350, 360]]}}).lidar_left_out == (-20, 10, 350, 360)
+    assert Config().lidar_left_out == ()
+    for value in (5, [5], [[5]], [[10, 5]], [[-181, 0]], [[0, 361]], [[0, 1.5]], [["0", 1]], [[0, 1]] * 9):
+        try:
+            Config({"lidar": {"left_out": value}})
+        except ValueError as error:
+            assert "lidar.left_out" in str(error) and "is needed" in str(error), error
+        else:
+            assert False, value
+
+
 def test_tuning_is_checked_and_counted():
     config = Config()
     change(config, "avoid.margin", 20)

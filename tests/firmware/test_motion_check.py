@@ -15,6 +15,7 @@ ROOM = -900.0, 1000.0, -1200.0, 1500.0  # left, right, behind, ahead
 class Config:
     lidar_returns = 20
     robot_width = 250
+    lidar_left_out = ()
     lidar_near = 200
     lidar_far = 8000
     lidar_frames = FRAMES

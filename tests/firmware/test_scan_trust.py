@@ -12,6 +12,7 @@ SCAN = 12
 class Config:
     lidar_returns = 20
     robot_width = 250
+    lidar_left_out = ()
     lidar_near = 200
     lidar_far = 8000
     lidar_x = lidar_y = 0

@@ -64,6 +64,19 @@ def test_a_post_on_the_robot_itself_is_the_robot():
     assert (result.result, result.contacts) == ("pass", 0)
 
 
+def test_a_sector_left_out_does_not_stop_it():
+    """A cable that hangs 400 mm ahead to the left of the lidar, outside of the outline."""
+
+    def cable(signals, counts, bearings):
+        own = np.abs(bearings + 50) < 1.5
+        return np.where(own, 90, signals), np.where(own, 400 * 4, counts)
+
+    told = run("Z", 700, seed=1, watch=Effect(cable), changes={"lidar.left_out": [[-53, -47]]}, limit_s=60, **QUICK)
+    assert (told.result, told.contacts) == ("pass", 0)
+    not_told = run("Z", 700, seed=1, watch=Effect(cable), limit_s=12, **QUICK)
+    assert not_told.result != "pass"
+
+
 def test_people_who_have_left_are_forgotten():
     """They stand all round a robot that is held, in a hall wider than the lidar sees, and go: it drives off within 3 s."""
     angles = np.arange(0, 2 * np.pi, np.pi / 9)

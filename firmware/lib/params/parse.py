@@ -144,6 +144,14 @@ def _value(config, row, value):
             needed = "a list of 1 .. %d numbers is needed (%d axles at most: two wheels on each, 16 channels on a chip)"
             refuse(key, value, needed % (most - 1, most))
         return tuple([number(key, one, low, high, unit, 1, False) for one in value])
+    if kind == "sectors":
+        if type(value) not in (list, tuple) or len(value) > 8:
+            refuse(key, value, "a list of up to 8 sectors [from, to] is needed")
+        for one in value:
+            pair = type(one) in (list, tuple) and len(one) == 2 and type(one[0]) is int and type(one[1]) is int
+            if not pair or not low <= one[0] < one[1] <= high:
+                refuse(key, one, "[from, to] is needed, degrees %d .. %d, clockwise" % (low, high))
+        return tuple([edge for one in value for edge in one])
     if kind == "flag":
         if type(value) is not bool:
             refuse(key, value, "true or false is needed")

@@ -16,6 +16,7 @@ spacings    list of whole numbers, one fewer than there are axles; it says how m
 wheels      list, one value for each wheel: axle 1 left, axle 1 right, axle 2 left, ...; a single value serves all
 signs       likewise, each 1 or -1
 pairs       list, one value for each axle
+sectors     list of up to 8 pairs of whole numbers, low .. high
 
 A default of null: for a pin none, for axles.first half the sum of the spacings, for channels 0, 1, 2, ... (wheels) or 0, 2, 4, ... (pairs),
 for the planning window and the margins a share of the body's length (parse.py).
@@ -65,6 +66,7 @@ BOOT = """
 ["lidar.near", "int", 200, 50, 1000, "mm", "no nearer reading is used: the lidar does not see so near"]
 ["lidar.far", "int", 8000, 1000, 16000, "mm", "no farther reading is used"]
 ["lidar.returns", "int", 20, 0, 100, "%", "least share of the beams that come back in a revolution; 0, for open halls: what does not come back is free"]
+["lidar.left_out", "sectors", [], -180, 360, "", "sectors in which the robot sees its own mast or cables, each [from, to] in degrees clockwise from forward; what is nearer than 2 m does not count there"]
 ["lidar.speed", "int", 6.6, 4, 10, "r/s", "revolutions held by the motor control"]
 ["lidar.motor_pin", "pin", 27, 0, 33, "", "PWM of the lidar's motor, none where it keeps its own speed"]
 ["lidar.motor_frequency", "int", 20000, 100, 40000, "Hz", "PWM frequency of the lidar's motor"]

@@ -77,6 +77,10 @@ def outline(config):
                 if way:
                     least = min(least, max(room << 11, 0) // abs(way))
         own[k] = least
+    out = config.lidar_left_out
+    for k in range(0, len(out), 2):
+        for b in range(out[k] * 10, out[k + 1] * 10 + 1, 16):
+            own[b % 3600 >> 5] = 255
     return own
 
 
