@@ -32,13 +32,7 @@ export class Charts {
     };
     canvas.onpointerleave = () => this.look(null);
     canvas.onclick = (event) => this.seek?.(this.time(event.offsetX));
-    canvas.onkeydown = (event) => {
-      const step = { ArrowLeft: -0.1, ArrowRight: 0.1, Home: -1e6, End: 1e6 }[event.code];
-      if (step === undefined) return;
-      this.scroll(step * this.span);
-      event.preventDefault();
-      event.stopPropagation();
-    };
+    canvas.onkeydown = (event) => this.key(event);
     this.clear();
   }
 
@@ -69,6 +63,23 @@ export class Charts {
   run(rows) {
     this.rows = rows;
     this.whole = true;
+  }
+
+  // Arrows lead the pointer, whose values are told, and at an edge the charts; pages and ends scroll.
+  key(event) {
+    const scroll = { PageUp: -0.8, PageDown: 0.8, Home: -1e6, End: 1e6 }[event.code];
+    const step = { ArrowLeft: -1, ArrowRight: 1 }[event.code];
+    if (scroll) {
+      this.scroll(scroll * this.shown);
+    } else if (step) {
+      const at = (this.pointer ?? LEFT + this.width / 2) + step * this.width / 60;
+      if (at < LEFT || at > LEFT + this.width) this.scroll(step * 0.1 * this.shown);
+      else this.look(at);
+    } else {
+      return;
+    }
+    event.preventDefault();
+    event.stopPropagation();
   }
 
   get length() {

@@ -3,6 +3,7 @@
 export function tip(canvas) {
   const box = document.createElement("div");
   Object.assign(box, { className: "tip", hidden: true });
+  box.setAttribute("role", "status");
   canvas.parentNode.append(box);
   return (text, x = 0, y = 0) => {
     box.hidden = !text;
