@@ -117,10 +117,14 @@ def insert(
                 a = 1800 - a
                 b = 0 - b
                 k += 2
-            s = sine[a >> 2]
-            s = (s + ((sine[(a >> 2) + 1] - s) * (a & 3) >> 2)) >> 2
-            c = sine[b >> 2]
-            c = (c + ((sine[(b >> 2) + 1] - c) * (b & 3) >> 2)) >> 2
+            c = 0
+            probes = 2  # the sine, then the cosine
+            while probes:
+                s = c
+                c = sine[a >> 2]
+                c = (c + ((sine[(a >> 2) + 1] - c) * (a & 3) >> 2)) >> 2
+                a = b
+                probes -= 1
             if k & 1:
                 s = 0 - s
             if k == 1 or k == 2:

@@ -9,6 +9,7 @@ import gc
 import sys
 
 sys.path[:] = ["", "board", "lib"]
+_NAMES = 980  # with those of the board more than 1260
 
 import charge
 import lockstep
@@ -27,6 +28,8 @@ try:
         fault.load(json.load(_file))
 except OSError:
     pass  # nothing is to fail
+for _name in range(_NAMES):
+    hasattr(sys, "~%d" % _name)  # each is a name from now on: see memory.py
 gc.collect()  # main.py begins with what the twin has measured; see memory.py there
 
 try:
