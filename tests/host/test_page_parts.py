@@ -78,7 +78,7 @@ def test_why_a_candidate_was_refused_is_told_where_it_is_pointed_at(page):
     many = "return told.findLast((one) => one.type === 'candidates')?.list.filter(({ free }) => free !== null && free < 500).length > 20"
     assert page.until(lambda: (latest(page, "decision") or {}).get("v", 90) > 90 and page.js(many))
     page.tab("twin")
-    pause = page.browser.find_element("css selector", "[data-id=pause]")
+    pause = page.browser.find_element("css selector", "#panel-twin [data-id=pause]")
     pause.click()  # so that what is pointed at stays
     assert page.until(lambda: page.text("state") == "paused")
     texts = hover(page, "map", *ROW, *FAN)
@@ -98,31 +98,31 @@ def test_why_a_candidate_was_refused_is_told_where_it_is_pointed_at(page):
 
 def test_its_pace_is_shown_from_the_start(page):
     assert latest(page, "pace") == {"type": "pace", "speed": 1.0, "paused": False}
-    assert page.js("return document.querySelector('[data-id=speeds] [aria-checked=true]').dataset.value") == "1"
+    assert page.js("return document.querySelector('#panel-twin [data-id=speeds] [aria-checked=true]').dataset.value") == "1"
 
 
 def test_the_twin_stands_still_in_time_and_goes_on_by_one_decision(page):
     page.tab("twin")
     page.click("auto")
     assert page.until(lambda: page.text("state") == "auto")
-    page.browser.find_element("css selector", "[data-id=pause]").click()
+    page.browser.find_element("css selector", "#panel-twin [data-id=pause]").click()
     assert page.until(lambda: page.text("state") == "paused")
     time.sleep(0.3)  # what was on its way
     before, decisions = latest(page, "truth")["time"], count(page, "decision")
     time.sleep(0.5)
     assert latest(page, "truth")["time"] == before and count(page, "decision") == decisions
-    page.browser.find_element("css selector", "[data-id=step]").click()
+    page.browser.find_element("css selector", "#panel-twin [data-id=step]").click()
     assert page.until(lambda: count(page, "decision") == decisions + 1 and latest(page, "pace")["paused"])
     time.sleep(0.5)
     assert count(page, "decision") == decisions + 1 and 0 < latest(page, "truth")["time"] - before < 1
-    slow = page.browser.find_element("css selector", "[data-id=speeds] [data-value='0.1']")
+    slow = page.browser.find_element("css selector", "#panel-twin [data-id=speeds] [data-value='0.1']")
     slow.click()
-    page.browser.find_element("css selector", "[data-id=pause]").click()
+    page.browser.find_element("css selector", "#panel-twin [data-id=pause]").click()
     began, at = time.monotonic(), latest(page, "truth")["time"]
     time.sleep(1.2)
     assert 0 < latest(page, "truth")["time"] - at < 0.15 * (time.monotonic() - began)
     page.click("stop")  # the course is not to come to its end
-    page.browser.find_element("css selector", "[data-id=speeds] [data-value='1']").click()
+    page.browser.find_element("css selector", "#panel-twin [data-id=speeds] [data-value='1']").click()
 
 
 def test_a_box_is_put_into_its_way_and_dragged_and_the_lidar_sees_it(page):
@@ -131,7 +131,7 @@ def test_a_box_is_put_into_its_way_and_dragged_and_the_lidar_sees_it(page):
     page.click("stop")
     assert page.until(lambda: page.text("state") == "stopped")
     page.tab("twin")
-    page.browser.find_element("css selector", "[data-id=box]").click()
+    page.browser.find_element("css selector", "#panel-twin [data-id=box]").click()
     assert page.until(lambda: (latest(page, "box") or {}).get("size") == 200)
     first, truth = latest(page, "box"), latest(page, "truth")
     where = """const { walls } = told.findLast((one) => one.type === "world"), canvas = document.getElementById("world");
@@ -151,7 +151,7 @@ def test_a_box_is_put_into_its_way_and_dragged_and_the_lidar_sees_it(page):
     heading = math.radians(latest(page, "truth")["heading"])
     near = 480 - 100  # its side that faces the robot
     assert page.until(lambda: page.js(seen, -near * math.sin(heading), near * math.cos(heading)), 5)
-    page.browser.find_element("css selector", "[data-id=box]").click()
+    page.browser.find_element("css selector", "#panel-twin [data-id=box]").click()
     assert page.until(lambda: latest(page, "box")["size"] == 0)
 
 
@@ -351,11 +351,11 @@ def test_a_course_is_chosen_by_its_picture_with_what_fails(page):
     assert {"Z", "U", "S", "S-sharp", "bend", "random"} <= {name for name, _ in pictures} and all(long > 60 for _, long in pictures)
     page.js("document.querySelector('.courses [data-value=u]').click()")
     page.js(
-        "for (const [id, value] of [['size', 700], ['seed', 2], ['fault', 'lidar-frozen'], ['after', 9]]) document.querySelector(`[data-id=${id}]`).value = value"
+        "for (const [id, value] of [['size', 700], ['seed', 2], ['fault', 'lidar-frozen'], ['after', 9]]) document.querySelector(`#panel-twin [data-id=${id}]`).value = value"
     )
-    page.js("document.querySelector('[data-id=form] button.main').click()")
+    page.js("document.querySelector('#panel-twin [data-id=form] button.main').click()")
     assert page.until(lambda: page.text("address") == "twin:U?width=700&seed=2&fault=lidar-frozen%409", 10), page.text("address")
     page.js(
-        "document.querySelector('[data-id=size]').value = 20; document.querySelector('[data-id=form]').noValidate = true; document.querySelector('[data-id=form] button.main').click()"
+        "document.querySelector('#panel-twin [data-id=size]').value = 20; document.querySelector('#panel-twin [data-id=form]').noValidate = true; document.querySelector('#panel-twin [data-id=form] button.main').click()"
     )
-    assert page.until(lambda: "260 to 3000" in page.js("return document.querySelector('[data-id=trouble]').textContent"), 20)
+    assert page.until(lambda: "260 to 3000" in page.js("return document.querySelector('#panel-twin [data-id=trouble]').textContent"), 20)

@@ -141,7 +141,7 @@ def test_a_run_of_the_twin_that_is_recorded_from_its_start_can_be_driven_again(m
     page.tab("twin")
     assert page.until(lambda: page.browser.find_elements("css selector", ".courses button"))
     page.js(
-        "document.querySelector('[data-id=size]').value = 700; document.querySelector('[data-id=record]').click(); document.querySelector('[data-id=form] button.main').click()"
+        "document.querySelector('#panel-twin [data-id=size]').value = 700; document.querySelector('#panel-twin [data-id=record]').click(); document.querySelector('#panel-twin [data-id=form] button.main').click()"
     )
     page.tab("record")
     assert page.until(lambda: page.text("saved").endswith("-twin.rec"), 40)
