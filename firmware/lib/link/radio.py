@@ -72,7 +72,7 @@ class Datagrams:
     def shun(self, now_us):
         """What was received last was no valid command: for a moment nothing is heard, so that a flood of such takes little of the loop's time."""
         self._deaf_us = now_us
-        self.decoder.clear()
+        self.decoder.load(b"", 0)  # what else was in the datagram is forgotten with it
 
     def idle(self):
         """Nothing is queued here."""
