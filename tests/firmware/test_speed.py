@@ -13,7 +13,7 @@ _config = Config()
 
 
 class _Candidates:
-    lengths = (60, 128)
+    lengths = (60, 128, 257)
 
 
 class _Ways:
@@ -49,8 +49,14 @@ def test_it_goes_slower_towards_the_end_of_the_way_and_of_the_move():
 
 
 def test_it_goes_slower_where_it_is_narrow():
-    assert 90 < _speed(900, urgent=RED) < _speed(900, soft=100) < _config.drive_cruise
+    assert 90 < _speed(200, urgent=RED) < _speed(900, soft=100) < _config.drive_cruise
     assert _speed(900, urgent=BLUE) == _config.drive_cruise
+
+
+def test_what_it_only_passes_does_not_slow_it():
+    """A point in the emergency window, but none within the next 257 mm of the way."""
+    assert _speed(300, urgent=RED) == _config.drive_cruise
+    assert _speed(300, urgent=RED, soft=100) == _speed(300, soft=100)
 
 
 def test_away_is_far_or_turned():

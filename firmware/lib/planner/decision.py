@@ -14,7 +14,7 @@ from micropython import const
 
 from planner.candidates import LENGTHS
 from planner.cost_grid import fill
-from planner.move_cost import NOTHING, best, in_a_slice
+from planner.move_cost import NEAR, NOTHING, best, in_a_slice
 
 _ONE_WAY = const(8)  # of Decision.side: only the way that the robot goes was looked at
 _SLACK = const(150)  # mm that two moves may cost more than one
@@ -287,7 +287,7 @@ class Decision:
             first = max(first, env.arcs)
         else:
             count = env.ahead_end
-        last = min(first + in_a_slice(ways.n) + 1, count)
+        last = min(first + in_a_slice(ways.n + NEAR * ways.near) + 1, count)
         ways.check(mirroring, first, last, env.lengths[0])
         self.move_cost.score(
             mirroring, ways.free_of[mirroring], ways.soft, self.scores[mirroring], first, last, 1, plan.af, plan.ar,

@@ -16,11 +16,12 @@ from planner.cost_to_go import sample
 
 NOTHING = const(65535)
 _FREE = const(65535)  # where there are no points
-_SLICE = const(1800)  # candidate tests in one slice
+_SLICE = const(3600)  # candidate tests in one slice
 _OVERHEAD = const(76)  # what is done once for a candidate, its five ends above all, in tests
 _BOUNDS = const(40)  # lower bounds in one slice
 _BEST_FIRST = const(190)  # ... to find and to check the one with the least lower bound
 _TO_GOAL = const(8)
+NEAR = const(4)  # tests that a point at the outline takes more than another one: it is followed exactly
 _UNITS = const(100 * 1200)  # weights are in percent, over 120 degrees
 
 # Fields of CostToGo.grid, see cost_grid.py
@@ -49,7 +50,7 @@ _WAY = const(16)  # mm that are to be free, and not narrow
 
 
 def in_a_slice(n):
-    """How many candidates are checked against n points in one slice, but for one."""
+    """How many candidates are checked in one slice, but for one. n: points, those at the outline counted NEAR times more."""
     return _SLICE // (n + _OVERHEAD)
 
 
@@ -279,7 +280,7 @@ class MoveCost:
         env = self._candidates
         n = ways.drop_behind()
         ways.collision.prepare(n, ways.near, 1, env.lengths[0])
-        for _ in range(_SLICE // (n + _BEST_FIRST) + 1):
+        for _ in range(_SLICE // (n + NEAR * ways.near + _BEST_FIRST) + 1):
             number = best(scores, 0, env.count, 1)
             if number == NOTHING or scores[number] > most:
                 return NOTHING

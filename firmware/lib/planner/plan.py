@@ -82,9 +82,10 @@ class Plan:
         cruise = config.drive_cruise - _STANDING
         # Stop within the free way: it takes about speed / 10 mm.
         v = min((60 + way * 3) * 90 // config.motors_full_speed, cruise)
-        if self.ways.soft[self.candidate] < self.candidates.lengths[1]:
+        lengths = self.candidates.lengths
+        if 0 < urgent <= _RED and self.free < lengths[2]:
+            v = min(v, cruise // 2)  # what the robot only passes, or leaves behind, does not slow it
+        elif self.ways.soft[self.candidate] < lengths[1]:
             v = min(v, cruise * 4 // 5)  # it gets narrow soon
-        if 0 < urgent <= _RED:
-            v = min(v, cruise // 2)
         v = max(v, 4)
         self.v = _STANDING - v if self.mirroring & 2 else _STANDING + v

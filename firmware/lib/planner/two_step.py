@@ -9,7 +9,7 @@ from core.trig import cos14, sin14
 from perception.local_map import view
 from planner.candidates import LENGTHS
 from planner.collision import drop_behind, mirror
-from planner.move_cost import NOTHING, best, in_a_slice, suppress
+from planner.move_cost import NEAR, NOTHING, best, in_a_slice, suppress
 
 _COARSE = const(6)  # first moves
 MOST = const(12)  # with more lengths of the best one
@@ -131,7 +131,7 @@ class TwoStep:
         if env.ahead_end <= first < env.arcs:
             first = env.arcs
         stride = 2 if first < env.arcs else 1
-        last = min(first + stride * (in_a_slice(self.ahead) + 1), env.ahead_end if stride == 2 else env.count)
+        last = min(first + stride * (in_a_slice(self.ahead + NEAR * self.near) + 1), env.ahead_end if stride == 2 else env.count)
         ways.collision.prepare(self.ahead, self.near, stride, env.lengths[1])
         ways.collision.check(self.scores[1], self.scores[2], first, last, free, ways.soft, ways.block)
         self.move_cost.score(
