@@ -74,7 +74,7 @@ def execute(case, sources):
     if case.course == plan.ROOM:
         with tempfile.TemporaryDirectory() as folder:
             room = Path(folder) / "room.json"
-            room.write_text(json.dumps(_room(case)))
+            room.write_text(json.dumps(room_of(case)))
             done = run(str(room), **(settings | dict(mirror=False, limit_s=plan.ROOM_S)))
     else:
         done = run(case.course, case.width if case.course != "random" else None, case.gap, **settings)
@@ -86,7 +86,7 @@ def execute(case, sources):
     return out
 
 
-def _room(case):
+def room_of(case):
     """A closed room, as a world of the twin: the robot stands with its back to a wall, boxes lie about."""
     size = case.width
     boxes = scatter((size, size), case.gap, np.random.default_rng([case.seed, 7]))

@@ -133,11 +133,9 @@ def run(
     possible. config: path of robot.json, or a dict. changes: {"section.key": value} put over it; the robot drives off by itself
     unless they say {"drive.autostart": False}. watch: simulation.Observer, told what
     happens; KeyboardInterrupt and FirmwareStopped end the run, not the caller. limit_s: ends the run after so long, where it would be 60 s, or 200 in a world from a file.
-    heap, clock_us: of the board, see `Process`.
-    house: house.Plan, for the course house. errand, facts: what came of it, see `errand.Errand`.
+    heap, clock_us: of the board, see `Process`. chip: factor on the speed of an ESP32, math.inf = computing takes no time, None = process.CHIP.
+    house: house.Plan, for the course house. arm: path of arm.json, or a dict, of a robot with an arm.
     fault: what fails, NAME or NAME@SECONDS, see `faults`; the run then ends 20 s after that at the latest.
-    chip: factor on the speed of an ESP32, math.inf = computing takes no time, None = process.CHIP.
-    arm: path of arm.json, or a dict, of a robot with an arm.
     record: file for a recording of the run; None records into out/ended-badly/ and keeps that only if the run ends badly; False never records.
     """
     began = time.monotonic()

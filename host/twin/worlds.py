@@ -114,13 +114,13 @@ def _json(path):
         goal = _numbers(data["goal"], 2, '"goal"') if "goal" in data else None
         if not isinstance(data.get("moving", []), list):
             raise ValueError('"moving" must be a list')
-        moving = tuple(_mover(m, f"moving[{i}]") for i, m in enumerate(data.get("moving", [])))
+        moving = tuple(mover(m, f"moving[{i}]") for i, m in enumerate(data.get("moving", [])))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     return Layout(np.array(walls).reshape(-1, 4), start, goal, moving=moving)
 
 
-def _mover(entry, what):
+def mover(entry, what):
     if not isinstance(entry, dict) or set(entry) - {"size", "heading", "path", "again"} or not isinstance(entry.get("path"), list) or not entry["path"]:
         raise ValueError(f'{what} must be an object of "size" [across, along], "path" [[s, x, y], ...] and, if wished, "heading" and "again"')
     size = _numbers(entry.get("size"), 2, f"{what}.size")

@@ -124,7 +124,7 @@ def test_margins_are_those_of_this_start_whatever_was_made_before():
     def masks(margin):
         config = Config({"avoid": {"margin": margin, "soft_margin": 100}})
         made = CostToGo(config)
-        return bytes(made._masks), made.grid[4]  # how far a mask reaches
+        return bytes(made.masks), made.grid[4]  # how far a mask reaches
 
     wide = masks(90)
     narrow = masks(5)

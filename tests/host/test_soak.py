@@ -29,7 +29,7 @@ def test_every_case_can_be_driven():
         case = plan.case(3, number)
         faults.make(case.fault)
         if case.course == plan.ROOM:
-            world = execute._room(case)
+            world = execute.room_of(case)
             x, y, _ = world["start"]
             walls = np.array(world["segments"])[4:].reshape(-1, 2, 2)
             assert not len(walls) or np.hypot(*(walls - (x, y)).reshape(-1, 2).T).min() > 330  # the body stands free

@@ -143,7 +143,7 @@ class Still:
 
 def test_contacts_of_a_robot_that_stands_are_counted_apart():
     path = {"size": [300, 300], "path": [[0, 2000, 0], [4, -2000, 0]]}
-    course = courses.Course("a", 1, np.array(HALLWAY, float), np.zeros((0, 2)), (0, 0, 0), None, moving=(worlds._mover(path, "m"),))
+    course = courses.Course("a", 1, np.array(HALLWAY, float), np.zeros((0, 2)), (0, 0, 0), None, moving=(worlds.mover(path, "m"),))
     scene, body = Scene(course), Still()
     ahead = scene.ranges(np.zeros(1), np.zeros(1), np.array([pi / 2]))
     assert ahead == pytest.approx([400])  # the wall; the box is behind it

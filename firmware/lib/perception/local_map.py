@@ -194,14 +194,13 @@ def clear_seen_past(
     """Find the points that the frame disproves: their numbers to gone[:_MOST_GONE]. Returns how many.
 
     along, across: the coordinates of the points along the way the sector looks (x or y, whichever comes nearer) and across it; pa, qa: the
-    lidar's; flip: 0xFFFF where it looks to smaller ones, else 0. s0, c0: inside the sector's first edge is where p s0 + q c0 >= 0, for p along
-    and q across from the lidar; s1, c1: likewise inside the last one; * 2**10.
+    lidar's; flip: 0xFFFF where it looks to smaller ones, else 0. s0, c0 (* 2**10): inside the sector's first edge is where p s0 + q c0 >= 0, for
+    p along and q across from the lidar; s1, c1: likewise inside the last.
 
-    A point in the frame's sector is disproved when all beams that could have met it go more than a
-    cell past it: all, for the tip of a corner is seen by few, and the body turns about it. One whose
-    surface is now in a neighbour cell goes when the lidar has come round for it in vain (a revolution and a half). One behind something
-    nearer, or inside the blind disc, is kept until the robot has rolled `keep` mm: drift, not time,
-    is what makes memory wrong. A beam without return (_VOID) disproves what nothing has been seen of for a dozen revolutions.
+    A point in the frame's sector is disproved when all beams that could have met it go more than a cell past it: all, for the tip of a corner is
+    seen by few, and the body turns about it. One whose surface is now in a neighbour cell goes when the lidar has come round for it in vain. One
+    behind something nearer, or inside the blind disc, is kept until the robot has rolled `keep` mm: drift makes memory wrong. A beam without
+    return (_VOID) disproves what nothing has been seen of for a dozen revolutions.
 
             first beam    last beam
                   \\ u   v //            along: the coordinate in which the sector points; its sign settles half of the points

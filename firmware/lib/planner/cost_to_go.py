@@ -186,7 +186,7 @@ class CostToGo:
             cover(job, first if first > 0 else 0, self._revisit, self._trail, self.laid - _TRAIL_GAP)
             self._k = 0
         elif stage == 7:
-            self._k = close(self._k, job, self._marks, self._closed, self._near, self._masks, points.x, points.y, points.count, _POINTS)
+            self._k = close(self._k, job, self._marks, self._closed, self._near, self.masks, points.x, points.y, points.count, _POINTS)
             if self._k < points.count:
                 return False
         elif stage == 8:

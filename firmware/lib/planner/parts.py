@@ -47,7 +47,7 @@ def candidates(self, config):
 
 def cost_to_go(self, config):
     """Fields of a CostToGo."""
-    self._masks, self._primitives, self._rim = _tables(config, 1)
+    self.masks, self._primitives, self._rim = _tables(config, 1)
     cell = config.robot_length * 8 // 12
     self.cost = bytearray(_STATES + 1)  # the last byte: log2 of sixteenths of a cell in a unit
     self.cost[_STATES] = shift = _UNIT if config.mode == "AWS" else _UNIT_NAWS
@@ -61,7 +61,7 @@ def cost_to_go(self, config):
     size = 0
     while 3 << size < 11 * cell:
         size += 1
-    self.grid = array("i", (0, 0, cell, radius, len(self._masks) // (16 * _SHAPES), size))  # of cost_grid.py
+    self.grid = array("i", (0, 0, cell, radius, len(self.masks) // (16 * _SHAPES), size))  # of cost_grid.py
     self._known = bytearray(_CELLS >> 1)  # of known_exits.py
     self._exits = bytearray(_EXITS)
     self._old_x = self._old_y = 0
