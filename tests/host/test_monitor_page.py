@@ -177,6 +177,8 @@ def test_a_run_that_is_over_says_so_and_offers_another_course(monitor):
 def test_a_bad_address_is_explained_beside_it_and_the_robot_stays(monitor):
     page = monitor("twin:z?width=620")
     assert page.until(lambda: page.text("state") == "auto")
+    page.click("stop")  # the course is not to come to its end meanwhile
+    assert page.until(lambda: page.text("state") == "stopped")
     page.tab("record")
     where = page.browser.find_element("id", "where")
     for address, says in (("twin:z?width=20", "260 to 3000"), ("twin:q", "courses are"), ("robot", "no address"), ("file:nothing.rec", "cannot read")):
@@ -184,7 +186,7 @@ def test_a_bad_address_is_explained_beside_it_and_the_robot_stays(monitor):
         where.send_keys(address)
         page.browser.find_element("css selector", "#open button").click()
         assert page.until(lambda says=says: says in page.text("open-trouble"), 5), (address, page.text("open-trouble"))
-        assert page.text("address") == "twin:z?width=620" and page.text("state") == "auto"
+        assert page.text("address") == "twin:z?width=620" and page.text("state") == "stopped"
     where.send_keys("x")
     assert page.text("open-trouble") == ""
 
