@@ -12,15 +12,15 @@ HEAD = "<4sBBBBHBBHHii"
 VERSION = 1
 MOST_CELLS = 1600
 MOST_DOORS = 16
-FIELD_BYTES = 2304  # so much is kept of the board's memory for the field
+FIELD_BYTES = 1400  # so much is kept of the board's memory for the field
 
 
-def spacing_for(width: float, height: float, most: int = FIELD_BYTES) -> int:
-    """The closest spacing of nodes (whole 5 mm) with which the field fits."""
+def spacings(width: float, height: float, most: int = FIELD_BYTES) -> range:
+    """Spacings of the field's nodes, whole 5 mm, with which it fits: from the closest one on."""
     spacing = 100
     while (int(np.ceil(width / spacing)) + 1) * (int(np.ceil(height / spacing)) + 1) > most:
         spacing += 5
-    return spacing
+    return range(spacing, max(min(spacing * 5 // 4, 300), spacing) + 1, 5)
 
 
 def encode(house: HouseMap) -> bytes:
@@ -33,10 +33,10 @@ def encode(house: HouseMap) -> bytes:
         raise MapError(f"{house.source}: {width:g} x {height:g} mm, the board's coordinates end at {LARGEST} mm: cut the map")
     if len(house.doors) > MOST_DOORS:
         raise MapError(f"{house.source}: {len(house.doors)} doors, the board holds {MOST_DOORS}")
-    spacing = spacing_for(width, height)
-    if spacing > 300:
+    fitting = spacings(width, height)
+    if fitting[0] > 300:
         raise MapError(f"{house.source}: {width:g} x {height:g} mm is too large for the board to keep its place on: cut the map")
-    nodes = field.distances(house.walls, house.pixel, spacing)
+    spacing, nodes = field.best(house.walls, house.pixel, fitting)
     head = struct.pack(
         HEAD, b"GSMP", VERSION, rows, cols, len(house.doors), house.cell, *nodes.shape, spacing, 0, round(house.origin[0]), round(house.origin[1])
     )  # fmt: skip

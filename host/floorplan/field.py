@@ -6,16 +6,54 @@ LIMIT = 254.0  # mm: what a byte holds
 UNIT = 2.0
 
 
+NEAR, INSIDE = 60.0, 25.0  # mm outside and inside the walls, where the field has to be right: a point that fits lies there
+
+
 def distances(walls: np.ndarray, pixel: float, spacing: float) -> np.ndarray:
     """(rows, columns) of mm, positive outside the walls, limited to +-LIMIT; nodes every `spacing` mm from the lower left corner.
 
-    walls: (m, n) bool, the lowest row first. Exact for pixels as squares.
+    walls: (m, n) bool, the lowest row first.
     """
-    height, width = walls.shape[0] * pixel, walls.shape[1] * pixel
-    ys = np.arange(0, height + spacing, spacing)
-    xs = np.arange(0, width + spacing, spacing)
-    free = ~walls
-    return np.clip(_far(walls, pixel, xs, ys) - _far(free, pixel, xs, ys), -LIMIT, LIMIT)
+    return exact(walls, pixel, np.arange(0, walls.shape[1] * pixel + spacing, spacing), np.arange(0, walls.shape[0] * pixel + spacing, spacing))
+
+
+def best(walls: np.ndarray, pixel: float, spacings) -> tuple[int, np.ndarray]:
+    """(spacing, nodes) of the spacing with which what lies between the nodes, interpolated, is nearest to the distance along the walls.
+
+    A wall shows in the field by what its nodes on either side hold; where it is thinner than two spacings they may miss its middle, and the wall seems to be elsewhere.
+    """
+    x, y, d = _samples(walls, pixel)
+    found = []
+    for spacing in spacings:
+        nodes = distances(walls, pixel, spacing)
+        error = np.abs(interpolated(nodes, spacing, x, y) - d).mean() if len(d) else 0.0
+        found.append((error, spacing, nodes))
+    _, spacing, nodes = min(found, key=lambda one: one[:2])
+    return spacing, nodes
+
+
+def interpolated(nodes: np.ndarray, spacing: float, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """As the board takes it from the nodes, mm."""
+    i, j = (x / spacing).astype(int), (y / spacing).astype(int)
+    fx, fy = x / spacing - i, y / spacing - j
+    low = nodes[j, i] * (1 - fx) + nodes[j, i + 1] * fx
+    return low * (1 - fy) + (nodes[j + 1, i] * (1 - fx) + nodes[j + 1, i + 1] * fx) * fy
+
+
+def _samples(walls: np.ndarray, pixel: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """x, y and signed distance of places along the walls, from the middles of pixels."""
+    step = max(round(25 / pixel), 1)
+    rows, cols = np.arange(0, walls.shape[0], step), np.arange(0, walls.shape[1], step)
+    ys, xs = (rows + 0.5) * pixel, (cols + 0.5) * pixel
+    d = exact(walls, pixel, xs, ys)
+    near = (d < NEAR) & (d > -INSIDE)
+    j, i = np.nonzero(near)
+    return xs[i], ys[j], d[j, i]
+
+
+def exact(walls: np.ndarray, pixel: float, xs: np.ndarray, ys: np.ndarray) -> np.ndarray:
+    """The signed distance at the crossings of xs and ys, mm, exact for pixels as squares, limited to +-LIMIT."""
+    return _far(walls, pixel, xs, ys) - _far(~walls, pixel, xs, ys)
 
 
 def _far(shape: np.ndarray, pixel: float, xs: np.ndarray, ys: np.ndarray) -> np.ndarray:

@@ -186,7 +186,7 @@ def _goal(config, avoid, world):
 
     goal = build.build(config, avoid, world)
     build = None
-    forget("goal.build", "goal.choose")
+    forget("goal.build")
     return goal
 
 

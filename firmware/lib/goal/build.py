@@ -16,12 +16,16 @@ The file (host/floorplan/board_file.py writes it), little-endian:
 """
 
 import struct
+import sys
 from array import array
 
 from core.crc16 import crc16
+from core.unload import unload
 from goal.layer import Goal
+from goal.pose import again
 
 FILE = "map.bin"
+METHODS = ("gap", "field", "behaviour")
 _HEAD = 24
 _CELLS = 1600
 _POINTS = 80  # pose.py
@@ -106,9 +110,19 @@ def build(config, avoid, found):
     self.asked = False
     self.locate = self.method = None
     self.x = self.y = 0
-    from goal.choose import choose
-    from goal.pose import again
-
     again(n)
-    choose(self, ("gap", "field", "behaviour").index(config.goal_method))
+    choose(self, METHODS.index(config.goal_method))
     return self
+
+
+def choose(goal, number):
+    """Give the Goal its method, by its place in METHODS; the one before is let go. The robot is to stand: a module is loaded."""
+    if goal.method is not None:
+        goal.method.end()
+        goal.method = None
+        unload("goal.gap", "goal.field", "goal.behaviour", "goal.reactive")
+    name = METHODS[number]
+    __import__("goal." + name)
+    goal.method = getattr(sys.modules["goal." + name], name[0].upper() + name[1:])(goal.avoid)
+    goal.avoid.configure()
+    goal.told[2] = number

@@ -59,10 +59,11 @@ def obey(robot, kind, payload):
     elif what == 6:
         if not 0 <= x <= 2:
             raise ValueError("method %d: 0 gap, 1 field, 2 behaviour" % x)
-        from goal.choose import choose
+        from goal.build import choose
 
         choose(goal, x)
-        unload("goal.choose")
+        choose = None
+        unload("goal.build")
         if told[0] == 1:
             goal.go()
     elif what == 7:
