@@ -23,7 +23,7 @@ _LAST = const(160)  # where a box may still begin
 _LINES = const(4)
 _TOP = const(182)
 _HIGH = const(18)
-_A_TURN = const(3)  # rows looked at
+_A_TURN = const(3)  # boxes and rows looked for
 _PICTURE_US = const(150_000)  # from one picture to the next
 _SILENT = const(3)  # commands without an answer: then the next answer is that of a screen that has been plugged in, or has started
 _BIAS = const(0x8000)
@@ -59,6 +59,130 @@ _START = const(8)
 _REASONS = const(10)
 
 
+@micropython.viper
+def _listen(self, said: int, now_us, robot, link):
+    """Take note of what the screen said, see hear()."""
+    work = ptr32(self.work)
+    if said & _OK:
+        if work[_MUTE] == _SILENT:
+            said |= _RESTARTED
+        work[_ANSWERED] = 1
+        work[_MUTE] = 0
+    if said & _RESTARTED:  # it shows nothing of what it was told
+        self.queue.clear()
+        self.leave(True)
+        work[_Y] = _ROWS
+        work[_FILLED] = 0
+        cells = ptr8(self._cells)
+        k = _CELLS
+        while k:
+            k -= 1
+            cells[k] = 0
+    said &= 63
+    if said and (said % 3 == 0 or self.page):
+        link.stop()
+        if not robot.drive.v256:
+            link.rare(now_us, robot, "link.screen_menu").touch(self, said, robot, link)
+    elif said == 1 or said == 4:
+        link.stop()
+    elif said:
+        link.drive_itself()
+
+
+@micropython.viper
+def _update(self, now_us, robot, link):
+    """Send the next command if it is time, hear the buttons. robot: as for the link.
+
+    All in one function: its own names and frame for each part would take a hundred bytes of the heap.
+    """
+    work = ptr32(self.work)
+    at = 0
+    line = 0
+    count = self._uart.readinto(self._input)
+    if count:
+        _listen(self, hear(self._cells, self.work, self._input, count), now_us, robot, link)
+    passed = int(ticks_diff(now_us, self.work[_SENT_US]))
+    patience = _LINE_US
+    if not work[_ANSWERED]:
+        patience = _PATIENCE_US + 1 if work[_MUTE] == _SILENT else _PATIENCE_US
+    if passed >= 0 and passed < work[patience]:
+        return
+    if not work[_ANSWERED] and work[_MUTE] < _SILENT:
+        work[_MUTE] += 1
+    if self.page and link.state:
+        self.leave()
+    avoid = robot.avoid
+    if work[_FILLED]:
+        pass
+    elif self.queue:
+        told = self.queue.pop(0)
+        at = int(emit(self._command, 0, told[0], told[1], told[2], self.work))
+    else:
+        line = work[_LINE]
+        work[_LINE] = (line + 1) % _LINES
+        if line == 0 or not self.page:
+            # A line of text, if it is another than the screen shows.
+            fault = int(robot.safety.fault)
+            number = _STEERING
+            colour = 6
+            work[_NUMBERS] = _BIAS + int(avoid.mode)
+            work[_NUMBERS + 1] = _BIAS + int(avoid.free)
+            if line == 0:
+                number = int(link.state)
+                colour = 2 - number if number < 2 else 4  # as red, green and yellow windows
+                number += _STATES
+            elif line == 1:
+                work[_NUMBERS] = _BIAS + int(avoid.af)
+                work[_NUMBERS + 1] = _BIAS + int(avoid.ar)
+                work[_NUMBERS + 2] = _BIAS + int(avoid.v)
+            elif line == 2:
+                number = _REASONS + int(avoid.why)
+            elif fault:
+                number = work[_FIRST_FAULT] + fault
+                colour = 2
+            else:
+                number = _HEALTH
+                work[_NUMBERS] = _BIAS + int(robot.health.battery_mv) // 100
+                work[_NUMBERS + 1] = _BIAS + int(robot.lidar.speed20) * 3
+            work[0] = 4
+            work[1] = _TOP + _HIGH * line
+            work[3] = work[1] + _HIGH - 1
+            work[6] = work[_PALETTE + colour]
+            work[_INSIDE] = number
+            at = int(emit(self._command, 0, self.texts, self.ends, _TEXT, self.work))
+            number = int(crc16(self._command, 0, at)) + 1
+            if number == work[_SHOWN + line]:
+                at = 0
+            else:
+                work[_SHOWN + line] = number
+    if at == 0:
+        # The picture goes on: boxes gather in the command until it is full or the picture is done.
+        if work[_Y] == _ROWS:
+            passed = int(ticks_diff(now_us, self.work[_BEGAN_US]))
+            if passed >= 0 and passed < _PICTURE_US:
+                return
+            work[_Y] = 0
+            work[_BEGAN_US] = int(now_us)
+            aim = robot.drive.aim
+            way(self._cells, self.work, aim.vx, aim.vy, aim.w, aim.span, avoid.v)
+        at = work[_FILLED]
+        left = _A_TURN
+        work[_FRESH] = 1
+        while at < _LAST and left and work[_Y] < _ROWS and int(avoid.points_count) >= 0 and avoid.points_ordered:
+            left -= 1
+            if int(box(self._cells, self.work, avoid.points_x, avoid.points_y, avoid.points_window, avoid.points_count)):
+                at = int(emit(self._command, at, self.texts, self.ends, _BOX, self.work))
+        work[_FILLED] = at
+        if at == 0 or at < _LAST and work[_Y] < _ROWS:
+            return
+        work[_FILLED] = 0
+    work[0] = at
+    emit(self._command, _SIZE, self.texts, self.ends, -1, self.work)
+    self._uart.write(self._command)
+    work[_SENT_US] = int(now_us)
+    work[_ANSWERED] = work[_COORDINATES]  # a Nextion is told not to answer
+
+
 class Screen:
     """Shows the robot on a screen and hears its buttons.
 
@@ -72,41 +196,7 @@ class Screen:
 
         build(self, uart, kind, baud, config, _SIZE)
 
-    @micropython.viper
-    def update(self, now_us, robot, link):
-        """Send the next command if it is time, hear the buttons. robot: as for the link."""
-        work = ptr32(self.work)
-        count = self._uart.readinto(self._input)
-        if count:
-            self._listen(hear(self._cells, self.work, self._input, count), now_us, robot, link)
-        passed = int(ticks_diff(now_us, self.work[_SENT_US]))
-        patience = _LINE_US
-        if not work[_ANSWERED]:
-            patience = _PATIENCE_US + 1 if work[_MUTE] == _SILENT else _PATIENCE_US
-        if passed >= 0 and passed < work[patience]:
-            return
-        if not work[_ANSWERED] and work[_MUTE] < _SILENT:
-            work[_MUTE] += 1
-        if self.page and link.state:
-            self.leave()
-        at = 0
-        if not work[_FILLED]:
-            if self.queue:
-                told = self.queue.pop(0)
-                at = int(emit(self._command, 0, told[0], told[1], told[2], self.work))
-            else:
-                line = work[_LINE]
-                work[_LINE] = (line + 1) % _LINES
-                if line == 0 or not self.page:
-                    at = int(self._compose(line, robot, link))
-        if at == 0:
-            at = int(self._draw(now_us, robot))
-        if at:
-            work[0] = at
-            emit(self._command, _SIZE, self.texts, self.ends, -1, self.work)
-            self._uart.write(self._command)
-            work[_SENT_US] = int(now_us)
-            work[_ANSWERED] = work[_COORDINATES]  # a Nextion is told not to answer
+    update = _update
 
     def leave(self, anew=False):
         """Show the three buttons and all lines; `anew` on a screen that knows nothing yet."""
@@ -115,99 +205,3 @@ class Screen:
             self.queue.append((self.texts, self.ends, number))
         for line in range(_LINES):
             self.work[_SHOWN + line] = 0
-
-    @micropython.viper
-    def _compose(self, line: int, robot, link) -> int:
-        """Put a line of text into the command; returns where it ends, 0 if the screen shows it already."""
-        work = ptr32(self.work)
-        avoid = robot.avoid
-        fault = int(robot.safety.fault)
-        number = _STEERING
-        colour = 6
-        work[_NUMBERS] = _BIAS + int(avoid.mode)
-        work[_NUMBERS + 1] = _BIAS + int(avoid.free)
-        if line == 0:
-            number = int(link.state)
-            colour = 2 - number if number < 2 else 4  # as red, green and yellow windows
-            number += _STATES
-        elif line == 1:
-            work[_NUMBERS] = _BIAS + int(avoid.af)
-            work[_NUMBERS + 1] = _BIAS + int(avoid.ar)
-            work[_NUMBERS + 2] = _BIAS + int(avoid.v)
-        elif line == 2:
-            number = _REASONS + int(avoid.why)
-        elif fault:
-            number = work[_FIRST_FAULT] + fault
-            colour = 2
-        else:
-            number = _HEALTH
-            work[_NUMBERS] = _BIAS + int(robot.health.battery_mv) // 100
-            work[_NUMBERS + 1] = _BIAS + int(robot.lidar.speed20) * 3
-        work[0] = 4
-        work[1] = _TOP + _HIGH * line
-        work[3] = work[1] + _HIGH - 1
-        work[6] = work[_PALETTE + colour]
-        work[_INSIDE] = number
-        at = int(emit(self._command, 0, self.texts, self.ends, _TEXT, self.work))
-        check = int(crc16(self._command, 0, at)) + 1
-        if check == work[_SHOWN + line]:
-            return 0
-        work[_SHOWN + line] = check
-        return at
-
-    @micropython.viper
-    def _draw(self, now_us, robot) -> int:
-        """Go on with the picture; returns where the command ends that changes it, 0 when it has yet to be filled or there is nothing to change."""
-        work = ptr32(self.work)
-        avoid = robot.avoid
-        if work[_Y] == _ROWS:
-            passed = int(ticks_diff(now_us, self.work[_BEGAN_US]))
-            if passed >= 0 and passed < _PICTURE_US:
-                return 0
-            work[_Y] = 0
-            work[_BEGAN_US] = int(now_us)
-            aim = robot.drive.aim
-            way(self._cells, self.work, aim.vx, aim.vy, aim.w, aim.span, avoid.v)
-        at = work[_FILLED]
-        rows = _A_TURN
-        count = int(avoid.points_count)
-        work[_FRESH] = 1
-        while at < _LAST and rows and work[_Y] < _ROWS and count >= 0 and avoid.points_ordered:
-            if int(box(self._cells, self.work, avoid.points_x, avoid.points_y, avoid.points_window, count)):
-                at = int(emit(self._command, at, self.texts, self.ends, _BOX, self.work))
-            else:
-                rows -= 1
-        work[_FILLED] = at
-        if at < _LAST and work[_Y] < _ROWS:
-            return 0
-        work[_FILLED] = 0
-        return at
-
-    @micropython.viper
-    def _listen(self, said: int, now_us, robot, link):
-        """Take note of what the screen said, see hear()."""
-        work = ptr32(self.work)
-        if said & _OK:
-            if work[_MUTE] == _SILENT:
-                said |= _RESTARTED
-            work[_ANSWERED] = 1
-            work[_MUTE] = 0
-        if said & _RESTARTED:  # it shows nothing of what it was told
-            self.queue.clear()
-            self.leave(True)
-            work[_Y] = _ROWS
-            work[_FILLED] = 0
-            cells = ptr8(self._cells)
-            k = _CELLS
-            while k:
-                k -= 1
-                cells[k] = 0
-        said &= 63
-        if said and (said % 3 == 0 or self.page):
-            link.stop()
-            if not robot.drive.v256:
-                link.rare(now_us, robot, "link.screen_menu").touch(self, said, robot, link)
-        elif said == 1 or said == 4:
-            link.stop()
-        elif said:
-            link.drive_itself()

@@ -24,19 +24,19 @@ _FORMS = (
 
 # A line each, by the numbers of planner/reasons.py and safety/faults.py, as short as a line of the screen; reason_texts.py has them in full
 REASONS = b"""waiting for lidar
-way ahead is free
+way is free
 through the gap
 off an obstacle
-lining up sideways
+moving sideways
 second move
-planning two moves
+two moves
 backing out
-lining up, backward
+backing to line up
 
 
 closed in
 stopped
-fault, standing
+fault
 by hand
 
 another way
@@ -44,7 +44,7 @@ new in the way
 press START
 awaits a goal
 at its goal
-! goal unreachable
+! goal closed off
 lost on its map
 """
 FAULTS = b"""
@@ -55,13 +55,13 @@ FAULTS = b"""
 ! well again
 ! too slow
 ! out of memory
-! PWM chip lost 3x
-! program failed
+! chip lost 3 times
+! part failed
 ! program hung
 ! wheel limits
-! scan not trusted
+! scan not sound
 ! nothing moves
-! turns wrong way
+! turns wrongly
 ! slow, or slips
 """
 

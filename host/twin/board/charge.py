@@ -46,6 +46,7 @@ _stride = 1
 _idle = 0  # 1 while nothing is under way on the USB line
 _read = 0  # bytes taken in from it in this turn
 _boxes = 0  # looked for in this turn, for the screen
+_composed = 0  # 1 when a line of it was put together
 _closed = 0  # points that the cost to go being made has closed poses for
 _CLOSE = const(7)  # the stage in which it does, cost_to_go.py
 _SLICE = const(20)  # closed at a time
@@ -281,12 +282,10 @@ _TRUST = const(49)
 _SAFETY = const(50)
 _GOAL_FRAME = const(51)
 _GOAL_STEP = const(52)
-_COMPOSE = const(53)
-_DRAW = const(54)
-_EMIT = const(55)
-_BOX = const(56)
-_WAY = const(57)
-_HEAR = const(58)
+_EMIT = const(53)
+_BOX = const(54)
+_WAY = const(55)
+_HEAR = const(56)
 _FRESH = const(25)  # in the work of a Screen: 1 when a box is looked for in a new row
 
 
@@ -577,10 +576,12 @@ def _(self, now_us):
 
 @_wraps(_SCREEN, "link.screen:Screen.update")
 def _(self, now_us, robot, link):
+    global _boxes, _composed
     enter()
     before = given_out
+    _boxes = _composed = 0
     _originals[_SCREEN](self, now_us, robot, link)
-    leave(_SCREEN, 1 if given_out != before else 0, 0)
+    leave(_SCREEN, 1 if given_out != before else 0, _boxes + 2 * _composed)
 
 
 @_wraps(_BUILD, "core.start:build")
@@ -747,24 +748,6 @@ def _(self, odometry, points):
         elif stage == 3:
             work = n[1] * 6 // 5 if search == 0 else n[1] * 2 // 3 if search < 3 else 870
     leave(_GOAL_STEP, 1 if out else 0, work)
-
-
-@_wraps(_COMPOSE, "link.screen:Screen._compose")
-def _(self, line, robot, link):
-    enter()
-    out = _originals[_COMPOSE](self, line, robot, link)
-    leave(_COMPOSE, 0, 0)
-    return out
-
-
-@_wraps(_DRAW, "link.screen:Screen._draw")
-def _(self, now_us, robot):
-    global _boxes
-    enter()
-    _boxes = 0
-    out = _originals[_DRAW](self, now_us, robot)
-    leave(_DRAW, _boxes, 0)
-    return out
 
 
 @_wraps(_EMIT, "link.screen:emit")
