@@ -64,7 +64,8 @@ _INFORMED = const(4000)  # mm**2, weight from which on something can be told
 _STEEP = const(400)  # mm from bin to bin: on steeper surfaces ranges say little
 _ODD = const(60)  # mm: more is somebody who walks about, and counts no more than that
 _SLOPING = const(20_000)  # 2**-4 mm**2 of slopes, from which on something can be told of its turning
-_ASTRAY = const(72)  # 2**-8 bin in a second: so far it may turn otherwise, and a sixth of what it should have turned
+_ASTRAY = const(60)  # 2**-8 bin in a second: so far it may turn otherwise, and a sixth of what it should have turned,
+_UNSURE = const(800_000)  # and more where few slopes tell
 _STAND = const(60)  # frames
 _BACK = const(360)  # frames since a fault for which the way is taken for blocked
 _FORGET = const(2000)  # and after which it may try again
@@ -295,7 +296,7 @@ class ScanTrust:
             and agreed * 2 < whole
             and (state[_RATIO] * 10 < whole * 7 or agreed * 5 < whole * 2)
             or slopes > _SLOPING
-            and abs(state[_SHIFT] * 64 // slopes) > _ASTRAY + abs(state[_TURNED]) * 2 // (3 * abs(state[_TURN]))
+            and abs(state[_SHIFT] * 64 // slopes) > _ASTRAY + _UNSURE // slopes + abs(state[_TURNED]) * 2 // (3 * abs(state[_TURN]))
         ):
             state[_DOUBTS] += 1
         else:
