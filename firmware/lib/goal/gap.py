@@ -1,6 +1,8 @@
 """Getting there by gap seeking: the goal as a term in the planner's choice. The way out that the cost to go looks for is the one towards what is steered for;
 where the goal itself lies on its grid, the goal is the only way out."""
 
+from array import array
+
 from micropython import const
 
 from planner.cost_grid import fill
@@ -9,6 +11,7 @@ _N = const(26)
 _ROWS = const(312)
 _ON_GRID = const(520)  # mm
 _STATES = const(8112)
+_BACKWARD = const(40)  # mm that a move backward costs for being one
 
 
 class Gap:
@@ -17,8 +20,13 @@ class Gap:
     lines_up = False
 
     def __init__(self, avoid):
-        self._cost_to_go = avoid.decision.cost_to_go
-        self._cost_to_go.goal = self
+        self._decision = decision = avoid.decision
+        self._cost_to_go = cost_to_go = decision.cost_to_go
+        cost_to_go.goal = self
+        # To a goal that lies behind it drives backward: it need not turn round first, as it had better where it only wants to get on.
+        self._kept = cost_to_go.rim, decision.backward
+        cost_to_go.rim = array("H", bytes(48))
+        decision.backward = _BACKWARD
         self.near = self.searches = False
         self.align = 0
         self.x = self.y = 0
@@ -31,6 +39,7 @@ class Gap:
     def end(self):
         """Another method takes over."""
         self._cost_to_go.goal = None
+        self._cost_to_go.rim, self._decision.backward = self._kept
 
     def aim(self, dx, dy, last, odometry):
         """What is steered for lies dx, dy mm off, on the odometry's floor; last: it is the goal."""

@@ -120,7 +120,7 @@ class CostToGo:
     """Cost of leaving, by pose. `step()` renews it slice by slice; of use when `builds`, the grids made so far, are more than one.
 
     grid: array('i') of cost_grid.py; first the corner's x and y (1/8 mm modulo 2**16) and the size of a cell (1/8 mm) of the one in use.
-    goal: goal.gap.Gap or None; laid: points of the trail so far.
+    goal: goal.gap.Gap or None; rim: array('H'), what leaving with each heading of the nose costs more; laid: points of the trail so far.
     scratch: array('H'), in use while a grid is being made only: others may have it at other times.
     """
 
@@ -192,7 +192,7 @@ class CostToGo:
         elif stage == 8:
             sense = heading_branch.apply(odometry.heading // 100, self._lean, self._closed)
             wave = self._wave
-            seed(self.cost, self._closed, self._marks, self.ux, self.uy, sense, wave[5], self._rim, self._exits)
+            seed(self.cost, self._closed, self._marks, self.ux, self.uy, sense, wave[5], self.rim, self._exits)
             if self.goal is not None:
                 self.goal.seed(job, self.cost, self._closed, self._marks)
             wave[0] = wave[1] = wave[2] = 0

@@ -47,7 +47,7 @@ def candidates(self, config):
 
 def cost_to_go(self, config):
     """Fields of a CostToGo."""
-    self.masks, self._primitives, self._rim = _tables(config, 1)
+    self.masks, self._primitives, self.rim = _tables(config, 1)
     cell = config.robot_length * 8 // 12
     self.cost = bytearray(_STATES + 1)  # the last byte: log2 of sixteenths of a cell in a unit
     self.cost[_STATES] = shift = _UNIT if config.mode == "AWS" else _UNIT_NAWS
