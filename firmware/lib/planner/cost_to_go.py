@@ -174,7 +174,8 @@ class CostToGo:
             job[_GRID_X] = x - cell * (_N // 2) & 0xFFFF
             job[_GRID_Y] = y - cell * (_N // 2) & 0xFFFF
         elif stage < 5:
-            recall(stage - 1, job, self._old_x, self._old_y, self.cost, self._known, self._exits)
+            if self.goal is None:  # what led away from one goal may lead to the next
+                recall(stage - 1, job, self._old_x, self._old_y, self.cost, self._known, self._exits)
         elif stage == 5:
             # Nothing closed, near or marked, nothing reached; a revisit cost of 2 halves everywhere.
             fill(self.cost, _STATES >> 1, 0xFFFF)
