@@ -21,6 +21,7 @@ from .base import Link
 KEPT = Path("out") / "twin" / "robot.json"  # what was kept in the twin last
 
 _TRUTH_S = 0.04
+_FARTHEST = 100_000.0  # mm, of a box
 _SCREEN_S = 0.2  # no picture of the screen more often
 
 
@@ -168,6 +169,8 @@ class TwinLink(Link):
         """A box, `size` mm, into the robot's way (0: none); tells `box`, and a `text` if it stays where it was."""
         if size and not 40 <= size <= 400:
             raise ValueError(f"a box of {size:g} mm: 40 to 400 mm")
+        if not (abs(x) <= _FARTHEST and abs(y) <= _FARTHEST):
+            raise ValueError(f"a box at {x:g}, {y:g} mm: at most {_FARTHEST / 1000:g} m away")
         self._box_wanted = (x, y, size)
 
     def touch(self, x: float, y: float) -> None:

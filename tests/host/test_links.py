@@ -425,3 +425,14 @@ def test_what_moves_in_the_twin_is_told_where_it_is(tmp_path):
             pass
     assert len(first["walls"]) == len(later["walls"]) == 4
     assert [y for _, y, _, _ in first["walls"]] == [y for _, y, _, _ in later["walls"]] and first["walls"][0][0] < later["walls"][0][0]
+
+
+def test_a_box_or_a_pace_that_cannot_be_is_refused():
+    nan = float("nan")
+    with connect("twin:z?width=620", begin=False) as link:
+        for box in ((nan, 0, 200), (0, -nan, 200), (1e9, 0, 200), (0, 0, 20), (0, 0, nan)):
+            with pytest.raises(ValueError, match="a box"):
+                link.put_box(*box)
+        for speed in (nan, 0, -1, 1e9):
+            with pytest.raises(ValueError, match="times real time"):
+                link.set_pace(speed)
