@@ -3,9 +3,10 @@
 import json
 import math
 import sys
+import time
 from dataclasses import replace
 
-from . import model, reach, refuse, scenes, search
+from . import model, reach, refuse, scenes, search, tree
 from .errors import ArmError
 from .problem import Problem
 
@@ -43,7 +44,8 @@ def _place(arm, where, given, joints, of_scene, obstacles, clear, option):
 
 
 def find(arm, obstacles, pairs, options: search.Options, nodes: int = 1, watch=None) -> search.Plan:
-    """A Plan of the first pair of branches for which one is found, with more nodes where the wanted number does not do; genes None if none is."""
+    """A Plan of the first pair of branches for which one is found, with more nodes where the wanted number does not do; else by a way that a tree finds, which is valid but
+    not cheap; genes and way None if there is none."""
     last: search.Plan | None = None
     seconds, evaluations = 0.0, 0
     tries = [(pair, nodes) for pair in pairs[:_OTHER_WAYS]]
@@ -58,6 +60,15 @@ def find(arm, obstacles, pairs, options: search.Options, nodes: int = 1, watch=N
         if found.genes is not None or found.broken_off or options.method == "ga":
             break
     assert last is not None
+    if last.genes is None and not last.broken_off and options.method != "ga":
+        began = time.process_time()
+        for k, (start, end) in enumerate(pairs[:_OTHER_WAYS]):
+            corners = tree.way(arm, obstacles, start, end, options.seed + k, options.clearance)
+            times = None if corners is None else tree.timed(arm, corners)
+            if times is not None:
+                last.way = corners, times
+                break
+        seconds += time.process_time() - began
     last.seconds, last.evaluations = seconds, evaluations
     return last
 
@@ -72,12 +83,12 @@ def run(options) -> int:
     plan = find(arm, scene.obstacles, pairs, settings, options.nodes, None if options.json else tell)
     if not options.json:
         print(file=sys.stderr)
-    if plan.genes is None:
+    if plan.genes is None and plan.way is None:
         return _nothing(plan, options)
     told = {"seconds": round(plan.seconds, 3), "method": options.method, "selection": options.selection, "seed": options.seed, "scene": scene.name}
     if plan.broken_off:
         told["broken_off"] = plan.broken_off
-    found = reach.of_plan(plan.problem, plan.genes, plan.found, told)
+    found = reach.of_plan(plan.problem, plan.genes, plan.found, told, plan.way)
     if options.out:
         reach.write(found, options.out)
     if options.csv:

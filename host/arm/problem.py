@@ -27,7 +27,7 @@ SHORTEST, LONGEST = 1.0, 8.0  # s, of a segment, as in the paper
 # What a violation costs while a search is led towards what is valid; cost units per m, per rad, per rad/s.
 _PER_CLEARANCE, _PER_ANGLE, _PER_SPEED = 60.0, 40.0, 10.0
 _PER_LOAD = 20.0
-_ENTRY = 0.0  # for each trajectory that is not valid
+_THROUGH, _DEEP = 20.0, 0.01  # of going through something, this deep (m) or deeper: more than any way round it costs, however small it is
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ class Problem:
         missing = np.maximum(self.guard.clearance - found.clearance, 0)
         broken = missing * _PER_CLEARANCE + found.near * _PER_CLEARANCE + found.angle * _PER_ANGLE + found.speed * _PER_SPEED
         broken += _PER_LOAD * np.maximum(found.load - 1 + self.guard.torque, 0)
-        return found.cost + broken + _ENTRY * (missing > 0)
+        return found.cost + broken + _THROUGH * (missing > _DEEP)
 
     def strict(self, found: Found) -> np.ndarray:
         """(P,) the paper's 1/F: cost, infinite where an obstacle is met or the arm leaves its limits; torque over its limit only costs."""

@@ -60,6 +60,7 @@ class Plan:
     best_broken: Found  # what led at the end, valid or not
     broken_off: str = ""
     history: list = field(default_factory=list)
+    way: tuple | None = None  # (corners, times) of `tree`, where nothing cheaper was found
 
 
 class _Search:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from host.arm import check, cli, model, reach, refuse, scenes, search
+from host.arm import check, cli, model, reach, refuse, scenes, search, tree
 from host.arm.errors import ArmError
 from host.arm.problem import Guard, Problem
 
@@ -225,6 +225,23 @@ def test_bad_files_are_refused(tmp_path):
     assert "unknown key speed" in _bad(tmp_path, whole.replace('"time_s": 2', '"speed": 1, "time_s": 2'))
     assert "obstacles[0]" in _bad(tmp_path, json.dumps(two | {"obstacles": [{"ball": [1, 2, 3]}]}))
     assert "2 .. 5000" in _bad(tmp_path, json.dumps(two | {"points": two["points"][:1]}))
+
+
+def test_where_the_genetic_algorithm_finds_none_a_tree_finds_a_way():
+    """Slowly from corner to corner: valid by the check of its own."""
+    obstacles = (scenes.Disc(0.9, 1.25, 0.2),)
+    strong = json.loads(json.dumps(PAPER.source))
+    for joint in strong["joints"]:
+        joint["torque_nm"] = 200
+    arm = model.read(strong)
+    start, end = np.radians([20, 20, 10]), np.radians([100, -40, 20])
+    corners = tree.way(arm, obstacles, start, end, 1)
+    assert corners is not None and (corners[0] == start).all() and (corners[-1] == end).all() and len(corners) > 2
+    times = tree.timed(arm, corners)
+    made = reach.of_plan(Problem(arm, start, end, obstacles), None, None, {}, (corners, times))
+    assert check.check(made)[0] == [] and made.told["way"] == "tree"
+    walled = (scenes.Box(0.9, 1.25, 0.1, 9),)
+    assert tree.way(arm, walled, start, end, 1) is None
 
 
 def test_an_arm_of_every_number_of_joints_is_planned_for(capsys, tmp_path):
