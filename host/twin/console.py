@@ -8,28 +8,41 @@ from host import compat
 from .simulation import Observer
 
 WINDOWS = ("none", "green", "red", "blue", "yellow")
-EVERY_US = 500_000
+EVERY_US, SOON_US = 2_000_000, 300_000  # from one line to the next: the longest time, and the shortest
+
+
+HEADER = (
+    "   time      x      y  heading  clearance     AF     AR    V  why",
+    "      s     mm     mm      deg         mm    deg    deg       (90 stands)",
+)
 
 
 class Progress(Observer):
-    """Prints a line twice a second, and whatever the firmware prints."""
+    """Prints a line when the robot does something else, and every two seconds; before, a header with units; and whatever the firmware prints."""
 
     def __init__(self, out=print):
         self._out = out
         self._next = 0
+        self._soon = 0
+        self._why = None
+        self._headed = False
         self._printed = b""
         self._crashed = False
 
     def step(self, simulation):
-        if simulation.now < self._next:
+        decision = simulation.decisions[-1] if simulation.decisions else None
+        why = None if decision is None else decision.why
+        now = simulation.now
+        if decision is None and self._headed or now < self._next and (why == self._why or now < self._soon):
             return
-        self._next = simulation.now + EVERY_US
+        self._next, self._soon, self._why = now + EVERY_US, now + SOON_US, why
+        if not self._headed:
+            self._headed = True
+            for line in HEADER:
+                self._out(line)
         body = simulation.body
-        line = f"{simulation.now / 1e6:5.1f} s  x {body.x:5.0f}  y {body.y:5.0f}  heading {degrees(body.heading) % 360:4.0f}"
-        line += f"  clearance {simulation.contact.clearance():4.0f} mm"
-        if simulation.decisions:
-            line += "  " + describe(simulation.decisions[-1])
-        self._out(line)
+        line = f"{now / 1e6:7.1f}{body.x:7.0f}{body.y:7.0f}{degrees(body.heading) % 360:9.0f}{simulation.contact.clearance():11.0f}"
+        self._out(line + ("  the firmware starts" if decision is None else describe(decision)))
 
     def serial(self, data):
         *lines, self._printed = (self._printed + data).split(b"\n")
@@ -41,14 +54,10 @@ class Progress(Observer):
 
 
 def describe(decision):
-    """A decision in words."""
-    text = f"AF {decision.af / 10:5.1f}  AR {decision.ar / 10:5.1f}  V {decision.v:3d}"
-    if 0 < decision.window < len(WINDOWS):
-        text += f"  {WINDOWS[decision.window]}"
-    if decision.zone < 10:
-        text += f" zone {decision.zone}"
+    """A decision under the HEADER: AF, AR, V, and why in words."""
     why = reasons()
-    return text + (f"  {why[decision.why]}" if decision.why < len(why) else "")
+    said = why[decision.why] if decision.why < len(why) else ""
+    return f"{decision.af / 10:7.0f}{decision.ar / 10:7.0f}{decision.v:5d}  {said}"
 
 
 @cache

@@ -15,8 +15,12 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
+from .world import World
+
 WALL, FLOOR, OUTSIDE, BOX = "#2b2d33", "#fbfaf7", "#e6e4dd", "#c9c5ba"
 FRONT, REAR, BODY, TOUCHED, STANDING = "#d1495b", "#1f6f8b", "#8d99ae", "#e8a400", "#2b2d33"
+GOAL = "#4f9d69"
+REVERSED_MM = 20.0  # less is no turning back
 EVERY_MM, EVERY_DEG = 120.0, 12.0  # motion from one body outline to the next
 SIZE = 8.0  # inches, the longer side
 WORDS = {
@@ -39,6 +43,7 @@ def draw(result, path):
     _walls(axes, result.layout)
     _body(axes, result)
     _tracks(axes, result)
+    _marks(axes, result)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x, mm", ylabel="y, mm")
     axes.tick_params(colors="#666666", labelsize=8)
     for side in axes.spines.values():
@@ -115,6 +120,52 @@ def _tracks(axes, result):
     axes.plot(*(track[:, 1:3] - forward).T, color=REAR, linewidth=1.5, zorder=6)
 
 
+def reversals(track):
+    """Indices of a track, (n, 4), at which the body changes between ahead and backward, and goes on so for REVERSED_MM at least."""
+    heading = np.radians(track[:-1, 3])
+    rolled = (np.diff(track[:, 1]) * np.sin(heading) + np.diff(track[:, 2]) * np.cos(heading)).cumsum()
+    out, sign, farthest, at = [], 0, 0.0, 0
+    for i, where in enumerate(rolled):
+        if sign == 0:
+            sign = int(np.sign(where)) if abs(where) > REVERSED_MM else 0
+            farthest, at = where, i
+        elif (where - farthest) * sign > 0:
+            farthest, at = where, i
+        elif (farthest - where) * sign > REVERSED_MM:
+            out.append(at + 1)
+            sign, farthest, at = -sign, where, i
+    return out
+
+
+def tightest(result):
+    """(index of the track, the point of the body's outline nearest to a wall) where the walls were nearest."""
+    world = World(result.layout.segments)
+    half = result.vehicle.width / 2, result.vehicle.length / 2
+    near = [world.clearance(x, y, np.radians(heading), *half)[0] for _, x, y, heading in result.track]
+    at = int(np.argmin(near))
+    return at, touching_point(result.track[at, 1:], half, result.layout.segments)
+
+
+def _marks(axes, result):
+    """Start, goal, where it turned back, and the tightest place."""
+    note = dict(fontsize=8, color=STANDING, zorder=11)
+    x, y = result.track[0, 1:3]
+    axes.plot(x, y, "o", color="white", markeredgecolor=STANDING, markersize=7, zorder=10)
+    axes.annotate("start", (x, y), (9, 0), textcoords="offset points", va="center", **note)
+    gx, gy, heading, half = result.layout.goal
+    if np.isfinite([gx, gy, half]).all():
+        across = np.array([np.cos(heading), -np.sin(heading)]) * min(half, result.layout.width / 2 if result.layout.width else half)
+        ends = np.array([(gx, gy) - across, (gx, gy) + across])
+        axes.plot(*ends.T, color=GOAL, linewidth=1.6, linestyle=(0, (4, 2)), zorder=6)
+        axes.annotate("goal", ends[0], (-6, 0), textcoords="offset points", ha="right", va="center", **{**note, "color": GOAL})
+    turned = reversals(result.track)
+    if turned:
+        axes.plot(*result.track[turned, 1:3].T, "D", color="white", markeredgecolor=STANDING, markersize=5, zorder=10)
+    _, place = tightest(result)
+    if not result.touches:
+        axes.plot(*place, "o", fillstyle="none", color=TOUCHED, markersize=11, markeredgewidth=1.8, zorder=10)
+
+
 def _title(result):
     width = f"gaps of {result.gap_mm:g} mm" if result.course == "random" else f"{result.width_mm:g} mm wide"
     figures = f"{result.time_s:.1f} s, "
@@ -129,6 +180,21 @@ def _title(result):
 
 def _legend(result):
     out = [Line2D([], [], color=FRONT, label="A, middle of the front"), Line2D([], [], color=REAR, label="B, middle of the rear")]
+    if turned := len(reversals(result.track)):
+        out.append(Line2D([], [], linestyle="", color="white", marker="D", markeredgecolor=STANDING, label=f"turned back, {turned} time{'s' * (turned > 1)}"))
+    if not result.touches:
+        out.append(
+            Line2D(
+                [],
+                [],
+                linestyle="",
+                fillstyle="none",
+                color=TOUCHED,
+                marker="o",
+                markeredgewidth=1.8,
+                label=f"nearest to a wall, {result.min_clearance_mm:.0f} mm",
+            )
+        )
     if result.touches:
         out.append(Line2D([], [], color=TOUCHED, marker="o", markeredgecolor=WALL, linewidth=1.2, label="touched"))
     return out

@@ -75,7 +75,8 @@ def test_through_is_a_pass(twin):
 def test_without_json_it_shows_how_it_goes(twin):
     code, out, _ = twin(STRAIGHT + "\n", "Z")
     lines = out.splitlines()
-    assert any("heading" in line and "clearance" in line for line in lines)
+    assert lines[0].split() == ["time", "x", "y", "heading", "clearance", "AF", "AR", "V", "why"] and "mm" in lines[1]
+    assert lines[2].split()[:5] == ["0.0", "275", "-50", "0", "150"]
     assert any(line.startswith("Z 550 mm, seed 0, AWS, micropython: blocked") for line in lines)
 
 
@@ -99,6 +100,37 @@ def test_a_crash_shows_its_traceback(twin):
     assert "ZeroDivisionError" in out and "blocked" in out
     code, out, _ = twin("1 // 0\n", "Z", "--json")
     assert "ZeroDivisionError" in json.loads(out)["reason"]
+
+
+def test_a_line_comes_when_the_robot_does_something_else_and_now_and_then():
+    from types import SimpleNamespace as Thing
+
+    shown = []
+    progress = Progress(shown.append)
+    body, contact = Thing(x=0.0, y=0.0, heading=0.0), Thing(clearance=lambda: 100.0)
+    for k in range(100):  # ten seconds: something else after three, and again 100 ms later
+        why = 1 if k < 30 else 2 if k < 31 else 7
+        progress.step(Thing(now=k * 100_000, body=body, contact=contact, decisions=[Thing(why=why, af=300, ar=-55, v=108)]))
+    times = [line.split()[0] for line in shown[2:]]
+    assert times == ["0.0", "2.0", "3.0", "3.3", "5.3", "7.3", "9.3"]
+    assert shown[2].split()[5:9] == ["30", "-6", "108", "way"]
+
+
+def test_a_picture_marks_where_it_turned_back_and_was_nearest_to_a_wall():
+    import numpy as np
+
+    from host.twin import courses, load_config
+    from host.twin.picture import reversals, tightest
+    from host.twin.vehicle import Vehicle
+
+    y = np.concatenate([np.arange(0, 300, 5), np.arange(300, 100, -5), np.arange(100, 110, 5), np.arange(110, 90, -5), np.arange(90, 500, 5)])
+    track = np.column_stack([np.arange(len(y)) / 10, 225 + 0 * y, y, 0 * y])
+    assert [int(track[k, 2]) for k in reversals(track)] == [300, 90]  # a push of 10 mm is none
+    from types import SimpleNamespace as Thing
+
+    track[70, 1] = 205  # 80 mm from the left wall, 100 from the right one before
+    at, place = tightest(Thing(track=track, layout=courses.make("Z", 450), vehicle=Vehicle.from_settings(load_config())))
+    assert at == 70 and place[0] == pytest.approx(80)
 
 
 def test_picture(twin, tmp_path):
