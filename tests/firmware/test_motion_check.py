@@ -134,6 +134,15 @@ def test_all_is_well():
         assert Drive(speed, turn).go(2.5) is None, (speed, turn)
 
 
+def test_a_body_that_turns_otherwise_than_it_is_steered_is_noticed_though_it_gets_on_well():
+    for turn in (25.0, -25.0):
+        for turned in (0.6, 1.4):
+            fault, after = failing(1.0, turned=turned, turn=turn)
+            assert fault in (WRONG_WAY, HALF) and after < 1.2, (turn, turned, fault, after)
+        for turned in (0.85, 1.15):
+            assert failing(1.0, turned=turned, turn=turn) == (0, None), (turn, turned)
+
+
 def test_wheels_that_slip_a_little_are_well():
     for share in (0.9, 1.1):
         for turn in (0.0, 40.0):

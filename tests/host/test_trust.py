@@ -76,6 +76,11 @@ def test_no_fault_where_there_is_none(course, settings):
     assert faults_of(result) == []
 
 
+def test_dead_servos_are_noticed_by_how_the_robot_turns():
+    outcome = run("Z", 550, seed=1, fault="servos-dead@6", chip=inf, record=False, limit_s=14).fault
+    assert outcome.still_ms is not None and outcome.still_ms <= HELD and outcome.touched_after == 0
+
+
 def test_a_frame_lost_now_and_then_stops_nothing():
     result = run("random", gap=380, seed=2, fault="lidar-lost@3", chip=inf, record=False, limit_s=16)
     assert result.fault.driven_after_s > 5 and faults_of(result) == [] and not result.contacts
