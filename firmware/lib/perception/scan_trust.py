@@ -57,7 +57,7 @@ _BINS = const(4)  # of a place
 # What comes: it is nearer in its bin than any of the bins round it was, and than the robot's own motion tells
 _NEAR_BY = const(800)  # mm from the outline
 _CAME = const(35)  # mm
-_NEIGHBOURS = const(6)  # bins that must all have been seen: legs of tables come and go in them
+_NEIGHBOURS = const(5)  # of six bins that must have been seen: legs of tables come and go in them
 _NOWHERE = const(30000)
 _JUMP = const(200)  # mm: more is another surface
 _INFORMED = const(4000)  # mm**2, weight from which on something can be told
