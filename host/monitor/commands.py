@@ -60,7 +60,7 @@ def _courses() -> dict:
     from host.link.twin import world_of
     from host.twin import courses, faults
 
-    sizes = {name: ("gap", 100, 1500, 500) if name == "random" else ("width", 260, 3000, courses.DEFAULT_WIDTH[name]) for name in courses.NAMES}
+    sizes = {name: ("gap", 100, 1500, 500) if name == "random" else ("width", 260, 3000, courses.DEFAULT_WIDTH.get(name, 550)) for name in courses.NAMES}
     return {
         "type": "courses",
         "list": [{"name": name, "walls": world_of(courses.make(name))["walls"], "size": sizes[name]} for name in courses.NAMES],
@@ -75,6 +75,7 @@ TO_ROBOT: dict[str, Callable[[Link, dict], None]] = {
     "list": lambda link, what: link.request_parameters(),
     "watch": lambda link, what: link.watch(bool(what.get("scan")), bool(what.get("candidates")), bool(what.get("turns"))),
     "restart": lambda link, what: link.restart(),
+    "go": lambda link, what: link.go(str(what["what"]), float(what.get("x", 0)), float(what.get("y", 0)), float(what.get("heading", 0))),
     "arm": _arm,
     "reach": _reach,
     "point": lambda link, what: link.point(int(what["wheel"]), float(what["angle"])),

@@ -448,6 +448,14 @@ def test_by_hand_a_run_never_ends(monkeypatch, tmp_path):
     station.close()
 
 
+def test_a_goal_goes_to_the_robot(station):
+    station.command({"do": "go", "what": "there", "x": 1200, "y": 800})
+    kind, payload = station.link.sent[-1]
+    assert kind == protocol.GO and struct.unpack(protocol.GO_FORMAT, payload)[1:4] == (1, 1200, 800)
+    with pytest.raises(ValueError, match="one of"):
+        station.command({"do": "go", "what": "astray"})
+
+
 def test_again_with_another_course_takes_no_other_options_from_the_page(station):
     station.address = "twin:z?width=620&chip=2&firmware=/tmp/mine"
     station.command({"do": "again", "course": "random", "gap": "400&config=/etc/passwd", "firmware": "/tmp/evil"})

@@ -357,6 +357,39 @@ def test_what_was_seen_moves_with_the_robot(page):
     assert found == [(3, 4), (-785, -274), (100, -50), (7, 8), (1, 2)]
 
 
+GOAL = """
+const done = arguments[0];
+import("/goal.js").then(({ goal }) => {
+  const sent = [], send = goal.page.send, message = (state, alarm) => ({
+    type: "goal", state, alarm, method: "gap", pose_state: "known", x: 1000, y: 2000, heading: 90, error: 12, fits: 88, goal: [3000, 2000], steer: [2000, 2000],
+    length: 7.5, door: 0, through: null, open: 600, middle: 0, searches: 1, waiting: 0, patrol: false });
+  goal.page.send = (command) => sent.push(command);
+  goal.page.state.truth = { x: 500, y: 600, heading: 0 };
+  goal.hear.map({ rows: 2, cols: 2, cell: 300, origin: [0, 0], doors: [{ x: 300, y: 300, normal: 0, width: 900 }] });
+  goal.hear.cells({ first: 2, cells: [0xffff, 0x8000] });
+  goal.hear.goal(message("alarm", "door shut"));
+  // The robot looks to the right on its map, and up where it is drawn: what lies ahead of it is up.
+  const ahead = goal.drawn(2000, 2000), back = goal.mapped(ahead.x, ahead.y);
+  goal.press({ x: 500, y: 1600 });
+  document.querySelector("#panel-goal [data-id=give-up]").click();
+  const told = document.querySelector("#panel-goal dl").innerText || document.querySelector("#panel-goal dl").textContent;
+  const bad = [...document.querySelectorAll("#panel-goal dd.bad")].map((one) => one.textContent), shown = goal.shown();
+  goal.page.send = send;
+  goal.hear.connected();
+  done({ ahead, back, sent, told, bad, shown, gone: goal.shown() });
+});
+"""
+
+
+def test_a_robot_with_a_map_is_sent_by_a_click_and_its_alarm_is_told(page):
+    found = page.browser.execute_async_script(GOAL)
+    assert (round(found["ahead"]["x"]), round(found["ahead"]["y"])) == (500, 1600)
+    assert (round(found["back"]["x"]), round(found["back"]["y"])) == (2000, 2000)
+    assert found["sent"] == [{"do": "go", "what": "there", "x": 2000, "y": 2000, "heading": 90}, {"do": "go", "what": "give up"}]
+    assert found["bad"] == ["alarm: door shut"] and "within 12 mm, 88 % of the points fit" in found["told"]
+    assert found["shown"] and not found["gone"]
+
+
 def test_a_course_is_chosen_by_its_picture_with_what_fails(page):
     page.tab("twin")
     pictures = page.js(

@@ -10,10 +10,11 @@
 
 import { arm } from "./arm.js";
 import { gamepad } from "./gamepad.js";
+import { goal } from "./goal.js";
 import { screen } from "./screen.js";
 import { twin } from "./twin.js";
 
-const MODULES = [arm, twin, gamepad, screen];
+const MODULES = [goal, arm, twin, gamepad, screen];
 
 export class Panels {
   // page: what modules get, see main.js. state: the latest messages.
@@ -74,7 +75,7 @@ export class Panels {
 
   hear(message) {
     for (const { hear } of this.modules) hear?.[message.type]?.(message);
-    if (["connected", "hello", "screen"].includes(message.type)) this.review();
+    if (["connected", "hello", "screen", "map"].includes(message.type)) this.review();
   }
 
   draw(name, pen, view) {
