@@ -301,7 +301,8 @@ def test_each_interpreter_charges_the_same(engine):
     assert told[0] == told[1] and len(told[0]) > 3 and told[0][0][0] > 1_000_000
 
 
-def test_a_slower_chip_decides_later_and_still_passes():
-    fast, slow = (run("random", gap=400, seed=1, chip=chip, record=False) for chip in (1.0, 0.5))
+@pytest.mark.parametrize("course", ({"course": "random", "gap": 400, "seed": 1}, {"course": "Z", "width": 550, "seed": 2}), ids=("random", "Z"))
+def test_a_slower_chip_decides_later_and_still_passes(course):
+    fast, slow = (run(**course, chip=chip, record=False) for chip in (1.0, 0.5))
     assert fast.result == slow.result == "pass"
     assert slow.time_s > fast.time_s + 2 and slow.contacts == 0
