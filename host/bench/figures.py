@@ -1,26 +1,37 @@
 """The three times that decide whether the firmware keeps pace with its lidar, for one run with everything on: `host.budget` shows them."""
 
+import numpy as np
+
 from host.twin import Observer, image, run
 from planner import reasons
 
 from . import calibrate, costs, scans
 from .measure import Bench
 
-COURSE = {"course": "Z", "width": 550, "seed": 3, "limit_s": 12, "changes": {"screen.kind": "nextion"}}
-_STEP, _LINK = "robot:Robot.step", "link.link:Link.update"
+COURSE: dict = {"course": "Z", "width": 550, "seed": 3, "limit_s": 12, "changes": {"screen.kind": "nextion"}}
+_STEP, _LINK, _SCREEN = "robot:Robot.step", "link.link:Link.update", "link.screen:Screen.update"
+_COMMAND = 192  # bytes of a screen's command
 _LIMIT_S = 20
 _DUTY = 0.6  # of the lidar's motor: about its speed
 
 
 def times(firmware=image.FIRMWARE):
-    """{"start_ms_esp32", "turn_worst_ms_esp32", "link_worst_ms_esp32"}, ms at 240 MHz, modelled; None where nothing was measured.
+    """{"start_ms_esp32", "turn_worst_ms_esp32", "link_worst_ms_esp32", "screen_worst_ms_esp32"}, ms at 240 MHz, modelled, and "screen_bytes_s"; None where nothing was measured.
 
     start: from main.py's first line to the first decision, while the lidar turns, on the twin that charges for computing. turn, link: executed
     instructions and the time on the I2C bus, in a loop that drives the Z, writes a screen and sends candidates and raw scans. BenchError.
     """
     (tape, *_) = scans.tapes((COURSE,), firmware, 1, twin=False)
-    turns, link = worst(calibrate.names(), Bench(firmware).calibrate(tape, calibrate.watched()))
-    return {"start_ms_esp32": start(firmware), "turn_worst_ms_esp32": turns, "link_worst_ms_esp32": link}
+    named, calls = calibrate.names(), Bench(firmware).calibrate(tape, calibrate.watched())
+    turns, link = worst(named, calls)
+    update, line = screen(named, calls)
+    return {
+        "start_ms_esp32": start(firmware),
+        "turn_worst_ms_esp32": turns,
+        "link_worst_ms_esp32": link,
+        "screen_worst_ms_esp32": update,
+        "screen_bytes_s": None if line is None else round(line / COURSE["limit_s"]),
+    }
 
 
 def start(firmware=image.FIRMWARE):
@@ -44,6 +55,19 @@ def worst(named, calls):
                 told = max(told, costs.us(int(said[:, 1].sum())) / 1000)
         begin = end + 1
     return (round(turn, 3), round(told, 3)) if len(ends) > 1 else (None, None)
+
+
+def screen(named, calls):
+    """(worst screen.update, ms, with all that it calls; bytes given to its line) of the calls of one tape, None both where there is no screen."""
+    if _SCREEN not in named:
+        return None, None
+    update = named.index(_SCREEN)
+    rows = calls[calls[:, 4] == update]
+    ends = (rows[:, 0] == update).nonzero()[0]
+    if not len(ends):
+        return None, None
+    parts = np.split(rows[:, 1], ends[:-1] + 1)
+    return round(max(costs.us(int(part.sum())) for part in parts) / 1000, 3), _COMMAND * int(rows[ends, 2].sum())
 
 
 def _ms(rows):

@@ -43,7 +43,7 @@ def _times(firmware: Path) -> dict[str, float | None]:
     try:
         return figures.times(firmware)
     except BenchError:
-        return dict.fromkeys(("start_ms_esp32", "turn_worst_ms_esp32", "link_worst_ms_esp32"))
+        return dict.fromkeys(("start_ms_esp32", "turn_worst_ms_esp32", "link_worst_ms_esp32", "screen_worst_ms_esp32", "screen_bytes_s"))
 
 
 def chip(config: dict, firmware: Path = image.FIRMWARE) -> dict[str, chip_memory.ChipMemory | chip_memory.NoRoom]:

@@ -42,6 +42,8 @@ def rows(figures: dict) -> list[Row]:
         Row("start, main.py to the first decision", figures["start_ms_esp32"], 4000, "ms"),
         Row("worst turn of the loop", figures["turn_worst_ms_esp32"], 9.5, "ms"),
         Row("link.update, worst", figures["link_worst_ms_esp32"], 1.5, "ms"),
+        Row("screen.update, worst", figures["screen_worst_ms_esp32"], 1.5, "ms"),
+        Row("to the screen, of what 115200 baud carry", figures["screen_bytes_s"], 11520, "B/s"),
     ]
 
 

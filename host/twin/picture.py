@@ -49,7 +49,7 @@ def draw(result, path):
     for side in axes.spines.values():
         side.set_visible(False)
     figure.suptitle(_title(result), x=0.02, ha="left", fontsize=10)
-    figure.legend(handles=_legend(result), loc="outside lower left", ncols=3, fontsize=8, frameon=False)
+    figure.legend(handles=_legend(result), loc="outside lower left", ncols=3 if width > 6 else 2, fontsize=8, frameon=False)
     try:
         figure.savefig(Path(path), dpi=120)
     except OSError as error:

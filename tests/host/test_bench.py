@@ -266,6 +266,15 @@ def test_the_worst_turn_counts_what_it_calls_and_the_bus():
     assert figures.worst(named, calls) == (pytest.approx(1.1), pytest.approx(1.0))
 
 
+def test_the_worst_screen_update_counts_what_it_calls_and_its_commands():
+    named = ["link.screen:Screen.update", "link.screen:box"]
+    calls = np.array(
+        [(1, 12_000, 0, 0, 0, 0), (0, 12_000, 1, 0, 0, 0), (0, 1_200, 0, 0, 0, 0), (1, 60_000, 0, 0, 0, 0), (1, 12_000, 0, 0, 0, 0), (0, 12_000, 1, 0, 0, 0)]
+    )
+    assert figures.screen(named, calls) == (pytest.approx(0.7), 384)
+    assert figures.screen(["robot:Robot.step"], calls) == (None, None)
+
+
 def library(module):
     """The firmware's file of a module."""
     return scans.image.FIRMWARE / "lib" / (module.replace(".", "/") + ".py")

@@ -150,6 +150,8 @@ def test_a_row_that_misses_its_target_says_so():
         "start_ms_esp32": None,
         "turn_worst_ms_esp32": 10,
         "link_worst_ms_esp32": 1,
+        "screen_worst_ms_esp32": 2,
+        "screen_bytes_s": None,
         "word_bytes": 4,
     }
     rows = targets.rows(figures)
