@@ -7,7 +7,7 @@ INSTALLED := $(VENV)/.installed
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-arm test lint coverage pythons check-all bench experiments soak flash deploy monitor screenshots budget drawings animation reference site
+.PHONY: help setup demo demo-house demo-arm test lint coverage pythons check-all bench experiments soak flash deploy monitor screenshots budget drawings animation reference site
 
 help:  ## list the words
 	@sed -n 's/^\([a-z][a-z-]*\):[^#]*## /\1\t/p' $(MAKEFILE_LIST) | sort | awk -F'\t' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -35,6 +35,10 @@ demo: $(READY)  ## drive the Z course, 550 mm wide, in the digital twin
 
 demo-arm: $(READY)  ## plan the paper's reach past three obstacles, play it on the firmware in the twin, draw and animate it
 	@$(RUN) -m host.arm demo
+
+demo-house: $(READY)  ## send it through paper C's house, whose door is half closed, to a goal
+	@mkdir -p out
+	@$(RUN) -m host.twin house --method gap --cruise 99 --seed 1 --picture out/demo-house.png
 
 test: $(READY)  ## run all tests, a file at a time on each core
 	@$(RUN) -m pytest -n auto --dist loadfile

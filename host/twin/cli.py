@@ -8,13 +8,12 @@ import sys
 from host.recording import RecordingError
 from host.version import add_version, python
 
-from . import check, courses, faults, worlds
+from . import check, courses, faults, house_options, worlds
 from .console import Progress, summary_line
 from .image import FIRMWARE, ToolMissing
 from .process import ENGINES
 from .run import MODES, load_config, run
 from .screen import KINDS
-from .simulation import PASS
 
 PASSED, FAILED, MISUSED = 0, 1, 2
 LIST = "list"
@@ -51,10 +50,14 @@ def main(arguments=None):
         parser.error("the following arguments are required: COURSE")
     progress = None if options.json else Progress(_say)
     try:
-        check.check({name: getattr(options, name) for name in CHECKED})
+        plan = house_options.plan(options)
+        if plan is None:
+            check.check({name: getattr(options, name) for name in CHECKED})
         if options.picture:
             check.picture(options.picture)
         changes = dict(options.changes or {})
+        if options.cruise:
+            changes["drive.cruise"] = options.cruise
         if options.screen:
             check.picture(options.screen, "--screen", (".png",))
             changes |= _screen(options)
@@ -79,9 +82,10 @@ def main(arguments=None):
             fault=options.fault,
             length=options.length,
             side=options.side,
-            start=options.start,
-            goal=options.goal,
+            start=None if plan else options.start,
+            goal=None if plan else options.goal,
             limit_s=options.limit,
+            house=plan,
         )
     except (ValueError, ToolMissing, SyntaxError, RecordingError) as error:
         print(f"python -m host.twin: {error}", file=sys.stderr)
@@ -89,7 +93,7 @@ def main(arguments=None):
     except KeyboardInterrupt:
         return FAILED
     _tell(result, options)
-    return PASSED if result.result == PASS else FAILED
+    return PASSED if house_options.expected(options, result) else FAILED
 
 
 def _say(text):
@@ -148,7 +152,13 @@ def _parser():
     )
     add_version(parser)
     add = parser.add_argument
-    add("course", metavar="COURSE", type=_course, nargs="?", help=", ".join(courses.NAMES) + "; or the file of a world: " + ", ".join(worlds.SUFFIXES))
+    add(
+        "course",
+        metavar="COURSE",
+        type=_course,
+        nargs="?",
+        help=", ".join((*courses.NAMES, house_options.NAME)) + "; or the file of a world: " + ", ".join(worlds.SUFFIXES),
+    )
     add("--width", type=float, metavar="MM", help="width of the passage (default 550; of the alley 450)")
     add("--length", type=float, metavar="MM", help="alley: from its mouth to its closed end (default 2500)")
     add("--side", action="store_true", help="alley: closed at the other end too, with an arm to the right as the way out")
@@ -181,6 +191,7 @@ def _parser():
     add("--reverse", action="store_true", help="enter from the other end")
     add("--angle", type=float, default=90.0, metavar="DEG", help="bend: angle of its two bends (default 90)")
     add("--scale", type=float, default=1.0, metavar="X", help="factor on the area, and so on the length of the legs; not on the width (default 1)")
+    house_options.add(parser)
     return parser
 
 
@@ -205,7 +216,7 @@ def _goal(text):
 def _course(text):
     if worlds.is_file(text):
         return text
-    names = {name.lower(): name for name in courses.NAMES}
+    names = {name.lower(): name for name in (*courses.NAMES, house_options.NAME)}
     if text.lower() not in names:
         raise argparse.ArgumentTypeError(
             f"{text!r} is not a course; courses are {', '.join(courses.NAMES)}, or a file with a name in {', '.join(worlds.SUFFIXES)}"

@@ -28,7 +28,7 @@ class Errand(Observer):
     """house: house.House; plan: house.Plan. facts() gives the figures of --json."""
 
     def __init__(self, house, plan):
-        self._house, self._plan = house, plan
+        self.house, self._plan = house, plan
         self._frames = frames.FrameReader()
         self._out = b""
         self._counter = 1000
@@ -84,12 +84,12 @@ class Errand(Observer):
         self._end(simulation, goal)
 
     def _begin(self):
-        if self._house.told:
-            self._send(HERE, *self._house.told)
+        if self.house.told:
+            self._send(HERE, *self.house.told)
         if self._plan.method:
             self._send(METHOD, METHODS.index(self._plan.method))
         if not self._plan.by_hand:
-            self._send(THERE, *self._house.goal)
+            self._send(THERE, *self.house.goal)
 
     def _travel(self, body):
         here = float(body.x), float(body.y)
@@ -121,17 +121,18 @@ class Errand(Observer):
             if self.set_out is None:
                 self.set_out = now
             self._errors.append(error)
-            if any(hypot(body.x - d.x, body.y - d.y) < AT_DOOR for d in self._house.house.doors):
+            if any(hypot(body.x - d.x, body.y - d.y) < AT_DOOR for d in self.house.house.doors):
                 self._door_errors.append(error)
             self.track.append((now, goal["x"], goal["y"]))
-            self.steer.append((now, *goal["steer"]))
+            if any(goal["steer"]):
+                self.steer.append((now, *goal["steer"]))
         self.last = goal
 
     def _end(self, simulation, goal):
         state = goal["state"]
         if state == "there":
             body = simulation.body
-            near = hypot(self._house.goal[0] - body.x, self._house.goal[1] - body.y) <= REACHED
+            near = hypot(self.house.goal[0] - body.x, self.house.goal[1] - body.y) <= REACHED
             touched = simulation.contact.touches or simulation.met.touches
             simulation.stop(MISSED if not near else LOCAL_COLLISION if touched else PASS, "" if near else "it believes to be at its goal, and is not")
         elif state == "lost":
@@ -163,7 +164,7 @@ class Errand(Observer):
             return round(float(np.sqrt(np.mean(np.square(errors)))), 1) if errors else None
 
         return {
-            "path_mm": round(self.path), "goal_error_mm": round(hypot(self._house.goal[0] - body.x, self._house.goal[1] - body.y)),
+            "path_mm": round(self.path), "goal_error_mm": round(hypot(self.house.goal[0] - body.x, self.house.goal[1] - body.y)),
             "alarm": self.alarm, "alarm_at_s": self.alarm_at and round(self.alarm_at, 2), "seen_at_s": self.seen and round(self.seen, 2),
             "set_out_s": self.set_out and round(self.set_out, 2), "replans": max(last["searches"] - 1, 0), "pose_rms_mm": root(self._errors),
             "pose_max_mm": round(max(self._errors), 1) if self._errors else None,

@@ -21,6 +21,7 @@ WALL, FLOOR, OUTSIDE, BOX = "#2b2d33", "#fbfaf7", "#e6e4dd", "#c9c5ba"
 FRONT, REAR, BODY, TOUCHED, STANDING = "#d1495b", "#1f6f8b", "#8d99ae", "#e8a400", "#2b2d33"
 GOAL = "#4f9d69"
 REVERSED_MM = 20.0  # less is no turning back
+DOOR, STEERED, BELIEVED = "#9c6b30", "#7a4bb5", "#111111"
 EVERY_MM, EVERY_DEG = 120.0, 12.0  # motion from one body outline to the next
 SIZE = 8.0  # inches, the longer side
 WORDS = {
@@ -28,6 +29,9 @@ WORDS = {
     "local_collision": "through, but touched",
     "blocked": "blocked",
     "timeout": "not through in time",
+    "alarm": "alarm",
+    "lost": "lost: it does not know where it is",
+    "missed": "stands beside its goal",
 }
 
 
@@ -44,6 +48,8 @@ def draw(result, path):
     _body(axes, result)
     _tracks(axes, result)
     _marks(axes, result)
+    if result.errand:
+        _errand(axes, result.errand)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x, mm", ylabel="y, mm")
     axes.tick_params(colors="#666666", labelsize=8)
     for side in axes.spines.values():
@@ -166,8 +172,29 @@ def _marks(axes, result):
         axes.plot(*place, "o", fillstyle="none", color=TOUCHED, markersize=11, markeredgewidth=1.8, zorder=10)
 
 
+def _errand_words(result):
+    facts = result.house
+    words = f"method {facts['method']}, way {facts['path_mm'] / 1000:.2f} m, pose {facts['pose_rms_mm']} mm rms"
+    return f"alarm: {facts['alarm']}, {words}" if facts["alarm"] else words
+
+
+def _errand(axes, errand):
+    """Where the robot was sent, what it steered for, where it believed to be, and the doors as the map has them."""
+    house = errand.house
+    axes.plot(*house.goal, "*", color=GOAL, markersize=15, markeredgecolor="white", zorder=11)
+    for door in house.house.doors:
+        ends = [door.point(0, side * door.width / 2) for side in (-1, 1)]
+        axes.plot(*zip(*ends), color=DOOR, linewidth=2.5, linestyle=(0, (2, 1.2)), zorder=3)
+    if errand.steer:
+        _, xs, ys = zip(*errand.steer)
+        corners = [(x, y) for k, (x, y) in enumerate(zip(xs, ys)) if not k or (x, y) != (xs[k - 1], ys[k - 1])]
+        axes.plot(*zip(*corners), "o", color=STEERED, markersize=4.5, alpha=0.8, zorder=10)
+    if errand.track:
+        axes.plot(*zip(*[place[1:] for place in errand.track]), color=BELIEVED, linewidth=1.2, linestyle="--", zorder=9)
+
+
 def _title(result):
-    width = f"gaps of {result.gap_mm:g} mm" if result.course == "random" else f"{result.width_mm:g} mm wide"
+    width = _errand_words(result) if result.errand else f"gaps of {result.gap_mm:g} mm" if result.course == "random" else f"{result.width_mm:g} mm wide"
     figures = f"{result.time_s:.1f} s, "
     if result.contacts:
         figures += f"{result.contacts} contact{'s' * (result.contacts > 1)}, up to {-result.min_clearance_mm:.0f} mm deep"
@@ -195,6 +222,13 @@ def _legend(result):
                 label=f"nearest to a wall, {result.min_clearance_mm:.0f} mm",
             )
         )
+    if result.errand:
+        out += [
+            Line2D([], [], color=BELIEVED, linestyle="--", label="centre, as the robot believes it"),
+            Line2D([], [], color=STEERED, marker="o", linestyle="", label="steered for: corners and sub-goals"),
+            Line2D([], [], color=GOAL, marker="*", linestyle="", markersize=11, label="goal"),
+            Line2D([], [], color=DOOR, linestyle=(0, (2, 1.2)), linewidth=2.5, label="door on the map"),
+        ]
     if result.touches:
         out.append(Line2D([], [], color=TOUCHED, marker="o", markeredgecolor=WALL, linewidth=1.2, label="touched"))
     return out
