@@ -3,7 +3,9 @@
     twin:COURSE?width=550&gap=400&seed=3&mirror=1&reverse=1&angle=90&scale=1&mode=naws&speed=1&chip=1&engine=cpython&config=robot.json&record=FILE
         &fault=NAME@SECONDS&autostart=0&length=2500&side=1&start=0,0,90&goal=0,3000&arm=arm.json&screen=usart-gpu
 
-COURSE is one of the twin's, in any case, or the file of a world; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes.
+    twin:house?map=FILE&door=600&walled=1&boxes=3&pocket=1&person=1&shuts=9&opens=20&lost=1&method=gap&errand=0&start=0,0,90&goal=0,3000
+
+COURSE is one of the twin's, in any case, house with its map (docs/goals.md), or the file of a world; every option may be left out. speed is 1, real time, unless given; "max" is as fast as it goes.
 autostart=0 waits for a start, as the robot does after power-up. What the others mean: `python -m host.twin --help`.
 """
 
@@ -69,19 +71,41 @@ OPTIONS: dict[str, Callable] = {
 }  # fmt: skip
 
 
+def _door(text):
+    return text if text in ("shut", "open") else float(text)
+
+
+# Of the course house, see host.twin.house.Plan; errand=0: it waits to be told where to go.
+HOUSE: dict[str, Callable] = {
+    "map": str, "door": _door, "walled": _flag, "boxes": int, "pocket": _flag, "person": _flag, "shuts": float, "opens": float, "lost": _flag, "method": str, "errand": _flag,
+}  # fmt: skip
+
+
+def _house(arguments: dict) -> dict:
+    """Those arguments with the house's own as the Plan that `host.twin.run.run` takes."""
+    from host.twin.house import Plan
+
+    plan = {name: arguments.pop(name) for name in HOUSE if name in arguments}
+    plan |= {name: arguments.pop(name) for name in ("start", "goal") if name in arguments}
+    by_hand = not plan.pop("errand", True)
+    return {**arguments, "house": Plan(**plan, by_hand=by_hand)}
+
+
 def arguments_of(course: str, options: dict) -> dict:
     """Arguments of `host.twin.run.run`. Raises AddressError for a course or an option that does not exist."""
     from host.twin import courses, worlds
 
-    names = {name.lower(): name for name in courses.NAMES}
+    house = course.lower() == "house"
+    known = {**OPTIONS, **HOUSE} if house else OPTIONS
+    names = {name.lower(): name for name in (*courses.NAMES, "house")}
     if course.lower() not in names and not worlds.is_file(course):
         raise AddressError(f"twin:{course}: courses are {', '.join(courses.NAMES)}, or the file of a world")
     arguments = {"course": names.get(course.lower(), course), "speed": 1.0}
     for key, text in options.items():
-        if key not in OPTIONS:
-            raise AddressError(f"twin option {key!r}: there are {', '.join(OPTIONS)}")
+        if key not in known:
+            raise AddressError(f"twin option {key!r}: there are {', '.join(known)}")
         try:
-            arguments[key] = OPTIONS[key](text)
+            arguments[key] = known[key](text)
         except AddressError:
             raise
         except ValueError:
@@ -93,7 +117,7 @@ def arguments_of(course: str, options: dict) -> dict:
         changes["screen.kind"] = screen
     if changes:
         arguments["changes"] = changes
-    return arguments
+    return _house(arguments) if house else arguments
 
 
 def world_of(course) -> dict:
@@ -115,7 +139,8 @@ class TwinLink(Link):
 
         arguments = arguments_of(course, options)
         try:
-            check(arguments)
+            if "house" not in arguments:
+                check(arguments)
         except ValueError as error:
             raise AddressError(f"{address}: {error}") from None
         self.pace = arguments["speed"] = Pace(arguments["speed"])

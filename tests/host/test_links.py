@@ -436,3 +436,15 @@ def test_a_box_or_a_pace_that_cannot_be_is_refused():
         for speed in (nan, 0, -1, 1e9):
             with pytest.raises(ValueError, match="times real time"):
                 link.set_pace(speed)
+
+
+def test_the_house_with_its_map_is_a_twin_s_address_too():
+    with pytest.raises(AddressError, match="twin option 'door'"):
+        connect("twin:z?door=shut", begin=False)
+    with connect("twin:house?errand=0&speed=max") as link:
+        drawn, told = link.wait_for("map", 30), link.wait_for("goal", 10)
+        assert drawn["rows"] == drawn["cols"] == 30 and len(drawn["doors"]) >= 1 and told["state"] == "none"
+        link.go("there", 7150, 5005)
+        while told["state"] == "none":
+            told = link.wait_for("goal", 10)
+        assert told["goal"] == [7150, 5005]
