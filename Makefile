@@ -7,7 +7,7 @@ INSTALLED := $(VENV)/.installed
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-house demo-arm test lint coverage pythons check-all bench experiments soak flash deploy monitor screenshots budget drawings animation reference site
+.PHONY: help setup demo demo-house demo-arm test lint coverage pythons check-all bench experiments soak mutants flash deploy monitor screenshots budget drawings animation reference site
 
 help:  ## list the words
 	@sed -n 's/^\([a-z][a-z-]*\):[^#]*## /\1\t/p' $(MAKEFILE_LIST) | sort | awk -F'\t' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -70,6 +70,9 @@ experiments: $(READY)  ## run the papers' experiments and write docs/results.md 
 
 soak: $(READY)  ## drive random courses, rooms and faults for hours, and say what came of it (ARGS="--minutes 5", --cluster ADDRESS)
 	@$(RUN) -m host.soak $(ARGS)
+
+mutants: $(READY)  ## change what may stop the robot in one place at a time, and see whether a test notices (ARGS=safety/safety.py; an hour in all)
+	@$(RUN) tools/mutants.py $(ARGS)
 
 drawings: $(READY)  ## make the drawings of docs/planner.md anew, from a run of the firmware
 	@$(RUN) -m host.drawings
