@@ -11,6 +11,7 @@ from .model import LARGEST, HouseMap
 HEAD = "<4sBBBBHBBHHii"
 VERSION = 1
 MOST_CELLS = 1600
+MOST_SIDE = 250
 MOST_DOORS = 16
 FIELD_BYTES = 1400  # so much is kept of the board's memory for the field
 
@@ -27,7 +28,7 @@ def encode(house: HouseMap) -> bytes:
     """The file. MapError says what does not fit."""
     rows, cols = house.cells.shape
     width, height = house.size
-    if rows * cols > MOST_CELLS or rows > 255 or cols > 255:
+    if rows * cols > MOST_CELLS or max(rows, cols) > MOST_SIDE:
         raise MapError(f"{house.source}: {rows} x {cols} cells, the board holds {MOST_CELLS} in all: make the cells larger (--cell)")
     if max(width, height) > LARGEST:
         raise MapError(f"{house.source}: {width:g} x {height:g} mm, the board's coordinates end at {LARGEST} mm: cut the map")
