@@ -109,9 +109,9 @@ def _made(walls, unknown, coloured, pixel: float, cell: int | None, source: str,
     for door in doors:
         _mark(cells, door, size)
     place = (origin[0] + left * pixel, origin[1] + low * pixel)
-    start = values.get("start")
-    places = {name: tuple(map(float, where)) for name, where in values.get("places", {}).items()}
-    return HouseMap(cells, size, walls, pixel, doors, place, tuple(map(float, start)) if start else None, places, notes, source)
+    start: tuple | None = tuple(map(float, values["start"])) if values.get("start") else None
+    places: dict = {name: tuple(map(float, where)) for name, where in values.get("places", {}).items()}
+    return HouseMap(cells, size, walls, pixel, doors, place, start, places, notes, source)
 
 
 def _cell(width: float, height: float, cell: int | None, source: str) -> int:
