@@ -46,7 +46,7 @@ ROW, FAN = [(0.02 * k, 0.5) for k in range(50)], [(0.38 + 0.024 * k, 0.2 + 0.02 
 
 @pytest.fixture(scope="module")
 def page(browser):
-    page = Monitor(browser, "twin:z?width=620")
+    page = Monitor(browser, "twin:z?width=620&scale=2")  # long enough for all that is driven here
     page.size(1440, 900)
     page.js(LISTEN)
     yield page
@@ -291,7 +291,7 @@ def test_the_buttons_of_a_pad_are_shown_and_learned(page):
     time.sleep(0.2)
     page.js("window.pad.buttons[7].pressed = true")
     assert page.until(lambda: page.js(uses)[5] == "next mode: button 7", 5)
-    assert not page.until(lambda: page.text("state") != "auto", 0.5)
+    assert not page.until(lambda: page.text("state") != "auto", 0.5), page.text("state")
     page.click("stop")
     page.js(learn, 1)
     page.js("window.pad.axes[2] = -0.9")
@@ -401,7 +401,7 @@ def test_a_course_is_chosen_by_its_picture_with_what_fails(page):
         "for (const [id, value] of [['size', 700], ['seed', 2], ['fault', 'lidar-frozen'], ['after', 9]]) document.querySelector(`#panel-twin [data-id=${id}]`).value = value"
     )
     page.js("document.querySelector('#panel-twin [data-id=form] button.main').click()")
-    assert page.until(lambda: page.text("address") == "twin:U?width=700&seed=2&fault=lidar-frozen%409", 10), page.text("address")
+    assert page.until(lambda: page.text("address") == "twin:U?scale=2&width=700&seed=2&fault=lidar-frozen%409", 10), page.text("address")
     page.js(
         "document.querySelector('#panel-twin [data-id=size]').value = 20; document.querySelector('#panel-twin [data-id=form]').noValidate = true; document.querySelector('#panel-twin [data-id=form] button.main').click()"
     )
