@@ -181,3 +181,36 @@ def test_frames_that_were_missed_make_points_older_as_well():
         memory.sight.frame_us += missed * FRAME_US
         memory.look(_wall(530))
         assert (_at_500(memory) == 0) == (missed > 0), missed
+
+
+def test_a_full_memory_takes_in_what_is_seen_now():
+    memory = _Memory()
+    # People all round, farther off each time, so that nothing disproves those before; nothing returns from beyond.
+    most = 0
+    for turn in range(30):
+        memory.look(lambda bearing, turn=turn: 700 - 15 * turn if (bearing // 45 + turn) % 3 else 0)
+        most = max(most, memory.points.count)
+    assert most > 300, most
+    memory.look(_post(450), 2)
+    found = [(x, y) for x, y in memory.seen() if abs(x) < 60 and 440 < y < 460]
+    assert len(found) >= 3, found
+
+
+def test_what_nothing_returns_from_any_more_is_gone_where_most_returns():
+    for returned, gone in ((1000, True), (0, False)):
+        memory = _Memory()
+        memory.look(lambda bearing: 500, 2)
+        memory.sight.returned = returned
+        memory.look(lambda bearing: 0, 20)
+        left = len(memory.seen())  # some lie between the last beam of a frame and the first of the next
+        assert left <= 3 if gone else left > 40, (returned, left)
+
+
+def test_what_lies_in_the_blind_disc_is_not_gone_for_want_of_returns():
+    memory = _Memory()
+    memory.look(lambda bearing: 260 if 850 < bearing < 950 else 0, 2)
+    before = len(memory.seen())
+    memory.odometry.x += 100 * 256  # now it is 160 mm off
+    memory.sight.returned = 1000
+    memory.look(lambda bearing: 0, 20)
+    assert before and len(memory.seen()) >= before - 1
