@@ -18,15 +18,16 @@ _STATES = const(8112)
 _ALL = const(0x03FFFFFF)  # columns of a row of the grid
 _OUT = const(255)  # cost of what is closed or not reached
 _TURNS = const(12)
+_STEPS = const(14)  # more would take longer than a slice
 _LARGEST = const(4)  # lean: so the closed orientation stays 30 degrees off the body's own
 # Numbers of the next poses less that of this one, + _PLACES: of two that cost the same the straight way is taken; the orientations come last.
 _NEXT = array("H", (702, 650, 677, 675, 703, 701, 651, 649, 1352, 0))
 
 
 def _exit(at, cost):
-    """The pose of the grid at which the costs leave it from pose `at`: each time on to the cheapest next one. -1 if they do not."""
+    """The pose to which the costs lead from pose `at`, each time on to the cheapest next one: on the rim, or so many steps on that it tells the way. -1 if they do not."""
     least = cost[at]
-    while True:
+    for _ in range(_STEPS):
         x = at % _N
         y = at // _N % _N
         if x == 0 or x == _N - 1 or y == 0 or y == _N - 1:
@@ -40,6 +41,7 @@ def _exit(at, cost):
         if to == at:
             return -1
         at = to
+    return at
 
 
 def choose(cost, x, y, heading):
