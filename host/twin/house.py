@@ -121,7 +121,7 @@ def build(plan, seed):
     width, height = house.size
     floor = np.array([(0, 0), (width, 0), (width, height), (0, height)], float)
     course = Course(
-        "house", float(house.cell), segments, floor, (start[0], start[1], radians(start[2])), (-inf, 0.0, 0.0, 1.0),
+        "house", float(house.cell), segments, floor, (start[0], start[1], radians(start[2])), (0.0, 1e9, 0.0, inf),
         np.array(boxes).reshape(-1, 4, 2), moving=tuple(moving), limit_s=LIMIT_S,
     )  # fmt: skip
     sides = [worlds_closed(box) for box in closing]
