@@ -67,6 +67,7 @@ bench: $(READY)  ## measure what the firmware's stages take, here and on the ESP
 
 experiments: $(READY)  ## run the papers' experiments and write docs/results.md (ARGS=--quick for a taste, --cluster ADDRESS)
 	@$(RUN) -m host.experiments $(ARGS)
+	@$(RUN) -m host.arm report
 
 soak: $(READY)  ## drive random courses, rooms and faults for hours, and say what came of it (ARGS="--minutes 5", --cluster ADDRESS)
 	@$(RUN) -m host.soak $(ARGS)

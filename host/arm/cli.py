@@ -108,6 +108,14 @@ def _draw(options) -> int:
     return DONE
 
 
+def _report(options) -> int:
+    from pathlib import Path
+
+    from . import report
+
+    return report.run(options.parts or report.PARTS, options.seeds, Path(options.out), options.again, options.scenes)
+
+
 def _numbers(count, what, more=0):
     def parse(text):
         try:
@@ -179,6 +187,15 @@ def _parser():
     one.add_argument("--seed", type=_whole(0, 2**31 - 1), default=0, metavar="N")
     one.add_argument("--out", default="out/arm", metavar="FOLDER", help="where the files go (default out/arm)")
     one.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    one = words.add_parser("report", help="the paper's experiments beside ours: docs/arm-results.md")
+    one.set_defaults(run=_report)
+    one.add_argument(
+        "--parts", nargs="*", choices=("planned", "genetic", "roulette", "global", "masses", "speed", "random"), help="only these are computed (default all)"
+    )
+    one.add_argument("--seeds", type=_whole(1, 1000), default=20, metavar="N", help="searches of each kind (default 20)")
+    one.add_argument("--scenes", type=_whole(2, 10000), default=100, metavar="N", help="random ones (default 100)")
+    one.add_argument("--again", action="store_true", help="compute anew what out/arm-results.json has")
+    one.add_argument("--out", default="docs", metavar="FOLDER", help="where it goes (default docs)")
     return parser
 
 

@@ -73,6 +73,11 @@ def find(arm, obstacles, pairs, options: search.Options, nodes: int = 1, watch=N
     return last
 
 
+def as_reach(plan: search.Plan, told: dict) -> reach.Reach:
+    """The Reach of a Plan that found something."""
+    return tree.as_reach(plan.problem, plan.way, told) if plan.way is not None else reach.of_plan(plan.problem, plan.genes, plan.found, told)
+
+
 def run(options) -> int:
     """The exit code."""
     arm, scene, pairs = prepare(options)
@@ -88,7 +93,7 @@ def run(options) -> int:
     told = {"seconds": round(plan.seconds, 3), "method": options.method, "selection": options.selection, "seed": options.seed, "scene": scene.name}
     if plan.broken_off:
         told["broken_off"] = plan.broken_off
-    found = reach.of_plan(plan.problem, plan.genes, plan.found, told, plan.way)
+    found = as_reach(plan, told)
     if options.out:
         reach.write(found, options.out)
     if options.csv:

@@ -8,7 +8,6 @@ polynomials of 3rd degree), and speeds (then slopes between the neighbours, rest
 """
 
 import copy
-import dataclasses
 import json
 import math
 from dataclasses import dataclass
@@ -175,15 +174,10 @@ def slopes(times, q):
     return speeds
 
 
-def of_plan(problem, genes, found, told, way=None) -> Reach:
-    """The Reach of genes (G,): start, nodes, end. found: of the dense grid. way: (corners, times) instead, at rest in each."""
-    from . import check, trajectory
+def of_plan(problem, genes, found, told) -> Reach:
+    """The Reach of genes (G,): start, nodes, end. found: of the dense grid."""
+    from . import trajectory
 
-    if way is not None:
-        corners, times = way
-        rest = np.zeros_like(corners)
-        made = from_points(problem.arm, problem.obstacles, times, corners, rest, rest)
-        return dataclasses.replace(made, told=check.check(made)[1] | {"way": "tree"} | told)
     _, spans = trajectory.coefficients(genes[None], problem.start, problem.end)
     times = np.concatenate(([0.0], np.cumsum(spans[0])))
     q, qd, qdd = trajectory.at(genes, problem.start, problem.end, times)

@@ -5,10 +5,11 @@ corner, such a way is a valid trajectory, if not a cheap one.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
-from . import clearance, dynamics
+from . import check, clearance, dynamics, reach
 from .model import Arm
 from .problem import CLEARANCE
 
@@ -48,6 +49,14 @@ def timed(arm: Arm, corners: np.ndarray) -> np.ndarray | None:
                 return None
         times.append(times[-1] + span)
     return np.array(times)
+
+
+def as_reach(problem, way, told):
+    """The Reach of (corners, times), at rest in each corner, with its figures."""
+    corners, times = way
+    rest = np.zeros_like(corners)
+    made = reach.from_points(problem.arm, problem.obstacles, times, corners, rest, rest)
+    return replace(made, told=check.check(made)[1] | {"way": "tree"} | told)
 
 
 def _bears(arm, one, other, span):

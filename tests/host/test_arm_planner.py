@@ -238,7 +238,7 @@ def test_where_the_genetic_algorithm_finds_none_a_tree_finds_a_way():
     corners = tree.way(arm, obstacles, start, end, 1)
     assert corners is not None and (corners[0] == start).all() and (corners[-1] == end).all() and len(corners) > 2
     times = tree.timed(arm, corners)
-    made = reach.of_plan(Problem(arm, start, end, obstacles), None, None, {}, (corners, times))
+    made = tree.as_reach(Problem(arm, start, end, obstacles), (corners, times), {})
     assert check.check(made)[0] == [] and made.told["way"] == "tree"
     walled = (scenes.Box(0.9, 1.25, 0.1, 9),)
     assert tree.way(arm, walled, start, end, 1) is None
