@@ -147,12 +147,12 @@ def test_points_found_close_cells_and_beams_open_them_again():
     at = route.cell_at(n, 1650, 2250)
     for _ in range(3):
         goal.px[0], goal.py[0], n[7], n[61] = 1650, 2120, 1, 1
-        goal._look()
+        goal.look()
     assert goal.cells[at] >= 0x8000 and n[47]  # closed, and a search is due
     n[47] = 0
     for _ in range(4):
         goal.px[0], goal.py[0], n[7], n[61] = 1650, 3300, 1, 1  # a beam through its middle, to the wall
-        goal._look()
+        goal.look()
     assert goal.cells[at] < 0x8000 and n[47]
 
 
@@ -305,7 +305,7 @@ def test_a_slice_of_the_steady_state_allocates_nothing():
                     break
             n[61] = n[7]
             while n[61]:
-                goal._look()
+                goal.look()
             pose.again(n)
         finally:
             if locked:

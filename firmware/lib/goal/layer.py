@@ -138,7 +138,7 @@ class Goal:
                 self.hold(_ASTRAY, _WHERE)
         elif stage == 1:
             if n[_LOOKED]:
-                self._look()
+                self.look()
                 return True
         elif stage == 2:
             door = told[_THROUGH] if told[_THROUGH] >= 0 else told[_DOOR]
@@ -244,7 +244,7 @@ class Goal:
             else:
                 self.hold(_ASTRAY, _WHERE)
 
-    def _look(self):
+    def look(self):
         """A few of the points: those more than 100 mm from the map's walls count for the cell 60 mm behind them; of some, what the beam has passed is free."""
         n = self.numbers
         cells = self.cells
