@@ -173,7 +173,7 @@ def test_charts_have_axes_values_and_marks_and_can_be_scrolled(page):
     from selenium.webdriver.common.keys import Keys
 
     page.click("auto")
-    assert page.until(lambda: page.text("state") == "auto" and max(page.speeds()) > 50)
+    assert page.until(lambda: page.text("state") == "auto" and page.speeds() and max(page.speeds()) > 50)
     page.click("stop")
     assert page.until(lambda: page.text("state") == "stopped")
     page.js("document.querySelector('#spans [data-value=Infinity]').click()")
@@ -279,7 +279,7 @@ def test_the_buttons_of_a_pad_are_shown_and_learned(page):
     page.js(learn, 2)
     page.js("window.pad.buttons[7].pressed = true")
     assert page.until(lambda: page.js(uses)[2] == "stop: button 7", 5)
-    assert page.text("state") == "auto"  # showing it was no command
+    assert page.text("state") != "stopped"  # showing it was no command
     page.js("window.pad.buttons[7].pressed = false")
     time.sleep(0.3)
     page.js("window.pad.buttons[7].pressed = true")
