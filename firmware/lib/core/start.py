@@ -68,6 +68,7 @@ def _build(path, note):
     forget("core.devices", "link.wifi")
     for name in _MACHINE_CODE + ("link.screen_kernels",) * (screen_line is not None):  # as early, and it is the largest part
         __import__(name)
+    screen = None if screen_line is None else _screen(config, screen_line)
     world = _map()
     avoid = _avoid(config)  # its tables are the largest objects: they come while the heap is still in one piece
     drive = _drive(config, servos, left, right, enable)
@@ -78,7 +79,7 @@ def _build(path, note):
         remarks.append("tables.bin was missing, or for another robot.json: making its tables took seconds of this start; make deploy puts it on the board")
     for remark in remarks + [doubt] * bool(doubt):
         link.log(1, remark)
-    robot = _robot(config, avoid, lidar, drive, safety, health, link, screen_line, _goal(config, avoid, world))
+    robot = _robot(config, avoid, lidar, drive, safety, health, link, screen, _goal(config, avoid, world))
     _arm(config, drive, link, (servos, left, right), enable, own)
     config.once = None
     return robot
@@ -280,16 +281,19 @@ def _arm(config, drive, link, chips, enable, own):
     forget("arm.build", "actuation.wiring")
 
 
-def _robot(config, avoid, lidar, drive, safety, health, link, screen_line, goal):
+def _screen(config, line):
+    """Made while the heap is small: its texts are put together from more than stays."""
+    from link.screen import Screen
+
+    screen = Screen(line, config.screen_kind, config.screen_baud, config)
+    unload("link.screen_build")
+    return screen
+
+
+def _robot(config, avoid, lidar, drive, safety, health, link, screen, goal):
     """The robot, with what it shows."""
     from robot import Robot
 
-    screen = None
-    if screen_line is not None:
-        from link.screen import Screen
-
-        screen = Screen(screen_line, config.screen_kind, config.screen_baud, config)
-        unload("link.screen_build")
     robot = Robot(config, avoid, lidar, drive, safety, health, link, screen, goal)
     if config.once["drive_autostart"]:
         from safety.remember import Remember

@@ -59,10 +59,9 @@ _START = const(8)
 _REASONS = const(10)
 
 
-@micropython.viper
-def _listen(self, said: int, now_us, robot, link):
+def _listen(self, said, now_us, robot, link):
     """Take note of what the screen said, see hear()."""
-    work = ptr32(self.work)
+    work = self.work
     if said & _OK:
         if work[_MUTE] == _SILENT:
             said |= _RESTARTED
@@ -73,11 +72,8 @@ def _listen(self, said: int, now_us, robot, link):
         self.leave(True)
         work[_Y] = _ROWS
         work[_FILLED] = 0
-        cells = ptr8(self._cells)
-        k = _CELLS
-        while k:
-            k -= 1
-            cells[k] = 0
+        for k in range(_CELLS):
+            self._cells[k] = 0
     said &= 63
     if said and (said % 3 == 0 or self.page):
         link.stop()
@@ -100,7 +96,7 @@ def _update(self, now_us, robot, link):
     line = 0
     count = self._uart.readinto(self._input)
     if count:
-        _listen(self, hear(self._cells, self.work, self._input, count), now_us, robot, link)
+        _listen(self, hear(self._cells, 0, 0, self.work, self._input, count), now_us, robot, link)
     passed = int(ticks_diff(now_us, self.work[_SENT_US]))
     patience = _LINE_US
     if not work[_ANSWERED]:
@@ -170,7 +166,7 @@ def _update(self, now_us, robot, link):
         work[_FRESH] = 1
         while at < _LAST and left and work[_Y] < _ROWS and int(avoid.points_count) >= 0 and avoid.points_ordered:
             left -= 1
-            if int(box(self._cells, self.work, avoid.points_x, avoid.points_y, avoid.points_window, avoid.points_count)):
+            if int(box(self._cells, 0, 0, self.work, avoid.points_x, avoid.points_y, avoid.points_window, avoid.points_count)):
                 at = int(emit(self._command, at, self.texts, self.ends, _BOX, self.work))
         work[_FILLED] = at
         if at == 0 or at < _LAST and work[_Y] < _ROWS:

@@ -105,13 +105,12 @@ def emit(command: ptr8, at: int, texts: ptr8, ends: ptr16, number: int, work: pt
 
 
 @micropython.viper
-def box(cells: ptr8, work: ptr32, px: ptr16, py: ptr16, windows: ptr8, count: int) -> int:
+def box(cells: ptr8, c: int, at: int, work: ptr32, px: ptr16, py: ptr16, windows: ptr8, count: int) -> int:
     """The next cells of a row that are to change: their box and colour (x1, y1, x2, y2, width, height, colour) into work, and into what is shown; 0 when the row is done.
 
-    px, py: array('H') of mm + 8192 in the body frame; windows: the window of each point.
+    c, at: 0; arguments lie in registers. px, py: array('H') of mm + 8192 in the body frame; windows: the window of each point.
     """
     y = work[_Y]
-    c = 0
     if work[_FRESH]:
         work[_FRESH] = 0
         while c < _COLUMNS:
@@ -205,7 +204,7 @@ def way(cells: ptr8, work: ptr32, vx: int, vy: int, w: int, span: int, v: int):
 
 
 @micropython.viper
-def hear(cells: ptr8, work: ptr32, data: ptr8, count: int) -> int:
+def hear(cells: ptr8, at: int, byte: int, work: ptr32, data: ptr8, count: int) -> int:
     """What a screen has sent: the number of a button, 0 for none, + 64 when it has answered OK, + 128 when it has started anew.
 
     Touches come as [BN:n], of which only the brackets count, as whether an end of line follows is not documented; or as 67 xx xx yy yy 01 FF FF FF.

@@ -760,12 +760,12 @@ def _(command, at, texts, ends, number, work):
 
 
 @_wraps(_BOX, "link.screen:box")
-def _(cells, work, px, py, windows, count):
+def _(cells, c, at, work, px, py, windows, count):
     global _boxes
     enter()
     _boxes += 1
     fresh = work[_FRESH]
-    out = _originals[_BOX](cells, work, px, py, windows, count)
+    out = _originals[_BOX](cells, c, at, work, px, py, windows, count)
     leave(_BOX, count if fresh else 0, fresh)
     return out
 
@@ -778,9 +778,9 @@ def _(cells, work, vx, vy, w, span, v):
 
 
 @_wraps(_HEAR, "link.screen:hear")
-def _(cells, work, data, count):
+def _(cells, at, byte, work, data, count):
     enter()
-    out = _originals[_HEAR](cells, work, data, count)
+    out = _originals[_HEAR](cells, at, byte, work, data, count)
     leave(_HEAR, count, 0)
     return out
 
