@@ -6,7 +6,6 @@ One MicroPython process runs the selected tests of one file (tests/firmware/runn
 import ast
 import math
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -34,12 +33,6 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
 
 # Most tests look at what the firmware does, not at when: computing takes no time, and the start is over at once. Those for which time counts name a chip.
 process.CHIP = math.inf
-
-
-def find_tool(name):
-    """Path of an executable of the Python environment the tests run in, or else of the search path; None if there is none."""
-    beside = Path(sys.executable).parent / name
-    return str(beside) if beside.exists() else shutil.which(name)
 
 
 @pytest.fixture(autouse=True)

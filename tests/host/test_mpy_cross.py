@@ -1,12 +1,21 @@
 """Every file of the firmware compiles for the ESP32, and what it takes there."""
 
+import shutil
 import subprocess
+import sys
+from pathlib import Path
 
 import pytest
-from conftest import ROOT, find_tool
 
+ROOT = Path(__file__).resolve().parents[2]
 FILES = sorted((ROOT / "firmware").rglob("*.py"))
 LARGEST_BYTES = 40_000  # of one compiled file: it must fit the heap next to everything else
+
+
+def find_tool(name):
+    """Path of an executable of the Python environment the tests run in, or else of the search path; None if there is none."""
+    beside = Path(sys.executable).parent / name
+    return str(beside) if beside.exists() else shutil.which(name)
 
 
 @pytest.mark.parametrize("source", FILES, ids=lambda path: str(path.relative_to(ROOT / "firmware")))

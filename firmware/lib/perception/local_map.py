@@ -199,8 +199,7 @@ def clear_seen_past(
 
     A point in the frame's sector is disproved when all beams that could have met it go more than a cell past it: all, for the tip of a corner is
     seen by few, and the body turns about it. One whose surface is now in a neighbour cell goes when the lidar has come round for it in vain. One
-    behind something nearer, or inside the blind disc, is kept until the robot has rolled `keep` mm: drift makes memory wrong. A beam without
-    return (_VOID) disproves what nothing has been seen of for a dozen revolutions.
+    behind something nearer, or inside the blind disc, is kept until the robot has rolled `keep` mm. No return, _VOID, disproves what is stale.
 
             first beam    last beam
                   \\ u   v //            along: the coordinate in which the sector points; its sign settles half of the points
