@@ -158,8 +158,11 @@ def _marks(axes, result):
     x, y = result.track[0, 1:3]
     axes.plot(x, y, "o", color="white", markeredgecolor=STANDING, markersize=7, zorder=10)
     axes.annotate("start", (x, y), (9, 0), textcoords="offset points", va="center", **note)
-    gx, gy, heading, half = result.layout.goal
-    if np.isfinite([gx, gy, half]).all():
+    gx, gy, *line = result.layout.goal
+    heading, half = line or (0.0, 0.0)
+    if not line:  # a place, of a world from a file
+        axes.plot(gx, gy, "*", color=GOAL, markersize=12, markeredgecolor="white", zorder=11)
+    elif np.isfinite([gx, gy, half]).all():
         across = np.array([np.cos(heading), -np.sin(heading)]) * min(half, result.layout.width / 2 if result.layout.width else half)
         ends = np.array([(gx, gy) - across, (gx, gy) + across])
         axes.plot(*ends.T, color=GOAL, linewidth=1.6, linestyle=(0, (4, 2)), zorder=6)

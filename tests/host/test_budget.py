@@ -134,7 +134,7 @@ def test_a_hundred_rounds_of_everything_leave_the_heap_as_it_was():
     many, said = peak.live_after(CONFIG, peak.ROUNDS)
     assert not said.refused and said.replies == 6 * peak.ROUNDS
     assert said.hellos >= peak.ROUNDS
-    assert many - few < 512  # what the collector takes for a pointer differs from time to time
+    assert many - few < 90 * 16  # less than the smallest block a round; what the collector takes for a pointer differs from time to time
 
 
 # --- the command

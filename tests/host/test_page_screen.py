@@ -44,7 +44,7 @@ def test_a_click_on_the_screen_starts_the_robot_and_another_stops_it(page):
     page.js("document.getElementById('tab-screen').click()")
     pixel = lambda x, y: page.browser.execute_async_script(PIXEL, x, y)  # noqa: E731
     wait(lambda: pixel(10, 262)[0] > 200)  # the red of its button: stop
-    assert page.js("return document.body.innerText").lower().count("waiting")
+    wait(lambda: "waiting" in page.js("return document.body.innerText").lower())
 
     def click(x, y):
         script = f"const [x, y] = arguments, glass = {GLASS}, box = glass.getBoundingClientRect();"

@@ -78,7 +78,7 @@ def test_a_flood_of_10000_datagrams_a_second_takes_no_time_to_speak_of():
     run("Z", 550, seed=1, watch=quiet, chip=1.0, record=False, limit_s=11, changes=wifi)
     assert done.fault.driven_after_s > 2 and not done.contacts
     link = [sum(one["sums"][4] for one in watcher.turns(5.5)) / sum(sum(one["sums"]) for one in watcher.turns(5.5)) for watcher in (flooded, quiet)]
-    assert link[0] < link[1] + 0.08, link
+    assert link[0] < link[1] + 0.1, link  # a tenth of the time at most
     assert max(one["most"][4] for one in flooded.turns(5.5)) < 6
     assert len(flooded.turns(5.5)) >= 9  # the link goes on telling, however often strangers call
 

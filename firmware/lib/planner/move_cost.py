@@ -16,7 +16,7 @@ from planner.cost_to_go import sample
 
 NOTHING = const(65535)
 _FREE = const(65535)  # where there are no points
-_SLICE = const(3600)  # candidate tests in one slice
+_SLICE = const(2300)  # candidate tests in one slice
 _OVERHEAD = const(76)  # what is done once for a candidate, its five ends above all, in tests
 _BOUNDS = const(40)  # lower bounds in one slice
 _BEST_FIRST = const(190)  # ... to find and to check the one with the least lower bound
