@@ -282,11 +282,14 @@ def library(module):
 
 def arguments(path, *names):
     """Names of a function's arguments and how many have defaults, found by way of classes in a source."""
-    body = ast.parse(path.read_text()).body
+    whole = body = ast.parse(path.read_text()).body
     for node in body:
         if isinstance(node, ast.ImportFrom) and names[0] in [one.name for one in node.names]:
             return arguments(library(node.module), *names)
     for name in names:
+        alias = next((node.value.id for node in body if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == name), None)
+        if alias:  # a kernel that stands outside its class
+            name, body = alias, whole
         found = next((node for node in body if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name == name), None)
         assert found is not None, f"{path}: no {name}"
         body = found.body
