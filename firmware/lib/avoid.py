@@ -7,7 +7,7 @@ docs/planner.md tells the whole of it.
 
 from micropython import const
 
-from core.unload import unload
+from core.unload import forget
 from planner.decision import COST_TO_GO, REST
 from steering import mode_of
 
@@ -29,7 +29,7 @@ class Avoid:
 
         build(self, config)
         del build
-        unload("planner.build", "planner.parts")
+        forget("planner.build", "planner.parts")
         self.configure()
 
     def configure(self):

@@ -44,7 +44,7 @@ def build(note=None, path="robot.json"):
             print("gapseeker: the file of the last good start is kept as %s: copy it over %s to go back" % (path + _GOOD, path))
         raise
     _keep(path)
-    unload("core.start", "safety.first")
+    forget("core.start", "safety.first")
     _trim()
     gc.threshold(-1)  # from now on the loop allocates nothing
     _watch(robot)
@@ -74,7 +74,11 @@ def _build(path, note):
     drive = _drive(config, servos, left, right, enable)
     lidar = _lidar(config, lidar_line, motor)
     safety, health, remarks = _safety(config, lidar, drive, button, adc, note)
+    if screen is not None:
+        _trim(("actuation", "avoid", "lidar", "planner", "steering"))  # as what comes now needs room of its own while it is made
     link = _link(config, safety, wlan, remark)
+    if screen is not None:
+        _trim(("link",))
     if _TABLES_MADE in once:
         remarks.append("tables.bin was missing, or for another robot.json: making its tables took seconds of this start; make deploy puts it on the board")
     for remark in remarks + [doubt] * bool(doubt):
@@ -85,13 +89,19 @@ def _build(path, note):
     return robot
 
 
-def _trim():
+def _trim(parts=()):
     """Let go of what the robot was made with, on the board only: the constructors, each part having been made, and the names of what only imports
-    needed. The tables of names are emptied for it, as a dict gives room back only then."""
+    needed. The tables of names are emptied for it, as a dict gives room back only then. parts: those that have been made; () = all."""
     if sys.implementation.name == "micropython":
         gone = _IMPORT_ONLY.split(" ")
         lib = __file__[: -len(_THIS)]
         ours = [name for name, module in sys.modules.items() if module.__dict__.get("__file__", "").startswith(lib)]
+        if parts:
+            for name in ours:
+                if name.split(".")[0] in parts:
+                    for thing in sys.modules[name].__dict__.values():
+                        _was_class(thing, ours)
+            return
         for name, module in sys.modules.items():
             names = module.__dict__
             if "__path__" in names:  # a package: its modules are found without it, but later imports need its own names
@@ -125,7 +135,7 @@ def _watch(robot):
 
     begin(robot, machine)
     begin = None
-    unload("safety.watchdog", "safety.survive")
+    forget("safety.watchdog", "safety.survive")
 
 
 def _keep(path):
