@@ -16,6 +16,8 @@ _LIMITS = const(11)  # of safety/faults.py
 _ABRUPT = const(10)  # V
 
 _SLICES = const(6)  # of the decision before it waits for the next frame
+_FRAME_US = const(15_000)  # between two frames, at the lidar's speed or slower
+_LATE_US = const(200_000)  # a speed times more would not fit a small integer
 _PART = const(2)  # place in the watchdog's note, and who is at work
 _LIDAR = const(1)
 _PLANNER = const(2)
@@ -50,6 +52,7 @@ class Robot:
         self.trust = safety.trust
         self.took_us = 0
         self._slices_us = 0
+        self._watched_us = 0  # when the way was looked at last
         self._slices = 0  # of the decision, which may still be made before the next frame
         self._owed = 0  # so many of them at least
         self._hand = None  # planner.hand.by_hand while it is needed
@@ -132,7 +135,7 @@ class Robot:
         elif seen:
             note[_PART] = _PLANNER
             keep(note)
-            self._watch_out()
+            self._watch_out(now)
             busy = True
             self._slices = _SLICES
             self._owed = 1 if drive.v256 else 2  # a robot that stands may be late
@@ -200,13 +203,16 @@ class Robot:
         elif self.goal is not None:
             self.goal.step(self.odometry, self.avoid.map)
 
-    def _watch_out(self):
-        """On every frame: stop for what is new."""
+    def _watch_out(self, now):
+        """On every frame: stop for what is new; the sooner, the longer nobody could look."""
         drive = self.drive
+        late = min(max(ticks_diff(now, self._watched_us) - _FRAME_US, 0), _LATE_US) // 1000
+        self._watched_us = now
         avoid = self.avoid
         if avoid.v != 90:
             speed = drive.v256 * self.config.motors_full_speed // (90 * 256)
-            if avoid.guard(self.odometry, -speed if speed < 0 else speed):
+            # A ninth of a second's way is what it takes to stop; what was rolled since the last look may be rolled again before the next one.
+            if avoid.guard(self.odometry, (-speed if speed < 0 else speed) * (1000 + 9 * late) // 1000):
                 drive.stop()  # at once: the next servo period may be 20 ms off
 
     def _decide(self):
