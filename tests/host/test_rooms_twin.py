@@ -3,8 +3,9 @@
 A few seeds of what `python -m host.experiments.rooms` does with many.
 """
 
-from math import inf
+from math import statistics
 
+import inf
 import numpy as np
 import pytest
 
@@ -14,11 +15,11 @@ from host.twin import Observer, courses, rooms, run
 QUICK = dict(chip=inf, record=False)
 
 
-@pytest.mark.parametrize(("width", "length", "seed"), [(450, 2500, 1), (560, 3500, 2)])
-def test_out_of_a_blind_alley_backward(width, length, seed):
-    result = run("alley", width, length=length, seed=seed, limit_s=40, **QUICK)
-    assert (result.result, result.contacts) == ("pass", 0)
-    assert under_way_s(result) <= 1.5 * straight_out_s(result)
+@pytest.mark.parametrize(("width", "length"), [(450, 2500), (560, 3500)])
+def test_out_of_a_blind_alley_backward(width, length):
+    results = [run("alley", width, length=length, seed=seed, limit_s=40, **QUICK) for seed in (1, 2, 3)]
+    assert [(result.result, result.contacts) for result in results] == [("pass", 0)] * 3
+    assert statistics.median(under_way_s(result) / straight_out_s(result) for result in results) <= 1.5
 
 
 def test_a_hallway_is_left_by_its_open_end_not_by_its_blind_arms():
@@ -44,9 +45,9 @@ def test_an_arm_that_opens_later_is_left_by_it():
 
 
 def test_one_false_beam_in_a_hundred_costs_little_and_three_stop_nobody():
-    clean, one, three = (run("Z", 600, seed=1, watch=Dust(share), limit_s=80, **QUICK) for share in (0, 0.01, 0.03))
-    assert [(r.result, r.contacts) for r in (clean, one, three)] == [("pass", 0)] * 3
-    assert under_way_s(one) <= 1.3 * under_way_s(clean)
+    clean, one, three = ([run("Z", 600, seed=seed, watch=Dust(share), limit_s=80, **QUICK) for seed in (1, 2, 3)] for share in (0, 0.01, 0.03))
+    assert {(r.result, r.contacts) for r in clean + one + three} == {("pass", 0)}
+    assert sum(map(under_way_s, one)) <= 1.3 * sum(map(under_way_s, clean))
 
 
 def test_the_longest_distance_for_no_return_is_not_taken_for_free():
