@@ -3,9 +3,9 @@
 A few seeds of what `python -m host.experiments.rooms` does with many.
 """
 
-from math import statistics
+import statistics
+from math import inf
 
-import inf
 import numpy as np
 import pytest
 
