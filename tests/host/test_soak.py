@@ -72,7 +72,7 @@ def pretend(monkeypatch, said=b"", resets=(), **more):
             watch.reset(*reset)
         outcome = Outcome(fault, 4.0, 20.0, more.get("touched", 0), 1.0) if fault else None
         track = np.array([[0.0, 0, 0, 0], [1, 300, 400, 0]])
-        found = dict(result="pass", reason="", contacts=0, time_s=20.0, wall_s=1.0, track=track, fault=outcome)
+        found = dict(result="pass", reason="", contacts=0, time_s=20.0, wall_s=1.0, track=track, fault=outcome, touches=[])
         return SimpleNamespace(**found | {key: value for key, value in more.items() if key != "touched"})
 
     monkeypatch.setattr(execute, "run", run)
@@ -84,6 +84,8 @@ def pretend(monkeypatch, said=b"", resets=(), **more):
         ({}, {}, []),
         ({}, {"contacts": 1}, ["contact"]),
         ({"fault": "slip@4"}, {"contacts": 2, "touched": 1}, ["contact after the fault", "contact"]),
+        ({"fault": "pushed@4"}, {"contacts": 1, "touched": 1, "touches": [(4.4, 0, 0, 0)]}, []),
+        ({"fault": "pushed@4"}, {"contacts": 1, "touched": 1, "touches": [(6.0, 0, 0, 0)]}, ["contact after the fault"]),
         ({}, {"resets": [(5e6, 3)]}, ["hang"]),
         ({"fault": "reset@4"}, {"resets": [(5e6, 2)]}, []),
         ({"fault": "hang-link@4"}, {"resets": [(5e6, 3)], "said": health(10)}, []),
