@@ -64,7 +64,7 @@ def test_a_parameter_is_tuned_and_comes_back_from_the_robot(monitor):
     page.tab("tune")
     assert page.until(notice.is_displayed)
     page.click("keep-restart")
-    assert page.until(lambda: not notice.is_displayed() and page.browser.find_elements("id", "parameter-avoid.margin"), 15)
+    assert page.until(lambda: not notice.is_displayed() and page.browser.find_elements("id", "parameter-avoid.margin"), 60)
     assert page.browser.find_element("id", "parameter-avoid.margin").get_attribute("value") == "22"
 
 
