@@ -87,7 +87,7 @@ class Monitor:
         """Open one of the panels."""
         self.click(f"tab-{name}")
 
-    def until(self, condition, seconds=20.0):
+    def until(self, condition, seconds=60.0):
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             if condition():

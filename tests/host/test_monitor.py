@@ -137,7 +137,7 @@ class Page:
         self.socket.close()
 
 
-def until(condition, seconds=3.0):
+def until(condition, seconds=20.0):
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         if condition():

@@ -24,7 +24,7 @@ def test_the_robot_is_seen_to_drive_and_stop_stops_it(monitor):
     assert page.text("reason")
     page.keep_screenshot("monitor.png")
     page.click("stop")
-    assert page.until(lambda: page.text("state") == "stopped" and max(map(abs, page.speeds())) == 0, 2)
+    assert page.until(lambda: page.text("state") == "stopped" and max(map(abs, page.speeds())) == 0)
     time.sleep(0.5)
     stands = page.place()
     time.sleep(0.7)
@@ -42,13 +42,13 @@ def test_driving_by_hand_lasts_as_long_as_the_key_is_held(monitor):
     page.press("ArrowUp")
     assert page.until(lambda: page.text("state") == "manual" and max(page.speeds()) > 50)
     page.press("ArrowUp", "keyup")
-    assert page.until(lambda: max(map(abs, page.speeds())) == 0, 2)
+    assert page.until(lambda: max(map(abs, page.speeds())) == 0)
     page.press("ArrowUp")
     assert page.until(lambda: max(page.speeds()) > 50)
     page.browser.get("about:blank")  # the page is lost with the key held down
     began = time.monotonic()
     page.browser.get(page.url)
-    assert page.until(lambda: page.speeds() and max(map(abs, page.speeds())) == 0 and page.text("state") == "stopped", 5), time.monotonic() - began
+    assert page.until(lambda: page.speeds() and max(map(abs, page.speeds())) == 0 and page.text("state") == "stopped"), time.monotonic() - began
 
 
 def test_a_parameter_is_tuned_and_comes_back_from_the_robot(monitor):
@@ -134,7 +134,7 @@ def test_a_gamepad_drives(monitor):
     page.browser.execute_script("window.pad.axes = [0.15, -1]")
     assert page.until(lambda: page.text("state") == "manual" and max(page.speeds()) > 100)
     page.browser.execute_script("window.pad.axes = [0.2, 0.02]")
-    assert page.until(lambda: max(map(abs, page.speeds())) == 0, 2)
+    assert page.until(lambda: max(map(abs, page.speeds())) == 0)
     page.browser.execute_script("window.pad.axes = [1, 0]; window.pad.buttons[5].pressed = true")
     assert page.until(lambda: page.browser.find_elements("css selector", "#modes [aria-checked=true]")[0].text.startswith("2"))
     page.browser.execute_script("window.pad.axes = [0, 0]; window.pad.buttons[0].pressed = true")
@@ -154,14 +154,14 @@ def test_a_speed_set_by_key_springs_back_when_the_key_is_let_go(monitor):
     ActionChains(page.browser).key_down(Keys.ARROW_UP).perform()
     assert page.until(lambda: page.text("state") == "manual" and max(page.speeds()) > 100)
     ActionChains(page.browser).key_up(Keys.ARROW_UP).perform()
-    assert page.until(lambda: max(map(abs, page.speeds())) == 0, 2)
+    assert page.until(lambda: max(map(abs, page.speeds())) == 0)
 
 
 def test_a_run_that_is_over_says_so_and_offers_another_course(monitor):
     from selenium.webdriver.support.ui import Select
 
     page = monitor("twin:z?width=620&speed=20")
-    assert page.until(lambda: page.browser.find_element("id", "over").is_displayed(), 40)
+    assert page.until(lambda: page.browser.find_element("id", "over").is_displayed())
     assert page.text("over-text").startswith("pass") and page.text("state") == "ended"
     for name in ("auto", "manual", "stop", "keep", "record", "af", "parameter-avoid.margin"):
         assert not page.browser.find_element("id", name).is_enabled(), name
@@ -185,7 +185,7 @@ def test_a_bad_address_is_explained_beside_it_and_the_robot_stays(monitor):
         where.clear()
         where.send_keys(address)
         page.browser.find_element("css selector", "#open button").click()
-        assert page.until(lambda says=says: says in page.text("open-trouble"), 5), (address, page.text("open-trouble"))
+        assert page.until(lambda says=says: says in page.text("open-trouble")), (address, page.text("open-trouble"))
         assert page.text("address") == "twin:z?width=620" and page.text("state") == "stopped"
     where.send_keys("x")
     assert page.text("open-trouble") == ""
@@ -198,7 +198,7 @@ def test_keep_says_what_was_kept_and_the_twin_drives_with_it_again(monitor):
     page.browser.execute_script(cruise)
     page.tab("tune")
     page.click("keep")
-    assert page.until(lambda: page.text("kept"), 5)
+    assert page.until(lambda: page.text("kept"))
     assert "drive.cruise 112" in page.text("kept") and "out/twin/robot.json" in page.text("kept")
     page.tab("record")
     page.click("again")
@@ -213,12 +213,12 @@ def test_a_recording_is_saved_linked_and_listed(monitor):
     page.click("record")
     time.sleep(2)
     page.click("record")
-    assert page.until(lambda: page.text("saved").endswith(".rec"), 5)
+    assert page.until(lambda: page.text("saved").endswith(".rec"))
     path = page.text("saved")
     try:
         page.click("recordings")
         entry = "return [...document.querySelectorAll('#recorded li')].map((one) => [one.textContent, one.querySelector('polyline')?.points.length])"
-        assert page.until(lambda: page.browser.execute_script(entry), 5)
+        assert page.until(lambda: page.browser.execute_script(entry))
         (text, places) = next(row for row in page.browser.execute_script(entry) if path in row[0])
         assert re.match(r"0:0[1-9], ended by hand", text) and places > 10
         page.click("saved")

@@ -45,17 +45,17 @@ def test_the_arm_is_switched_on_plays_is_held_and_moved_by_hand(page):
     assert page.until(lambda: page.js(STATE) == "plays", 25)  # first slowly to where it begins
     assert page.until(lambda: page.js(ANGLE) > 100)
     _button(page, "hold")
-    assert page.until(lambda: page.js(STATE) == "holds: told to hold", 3)
+    assert page.until(lambda: page.js(STATE) == "holds: told to hold")
     held = page.js(ANGLE)
     assert 100 < held < 126
     page.keep_screenshot("monitor-arm.png")
     assert page.js("return document.querySelector('#panel-arm canvas').toDataURL()") != blank
     page.js("const one = document.querySelector('#panel-arm .joint input'); one.value = 95; one.dispatchEvent(new Event('change'))")
-    assert page.until(lambda: page.js(ANGLE) == 95 and page.js(STATE) == "holds", 15)
+    assert page.until(lambda: page.js(ANGLE) == 95 and page.js(STATE) == "holds")
     _button(page, "save")
     assert page.until(lambda: page.js("return document.querySelector('#panel-arm [data-id=poses]').textContent.includes('pose 1')"))
     _button(page, "home")
-    assert page.until(lambda: page.js(ANGLE) == 90 and page.js(STATE) == "holds", 15)
+    assert page.until(lambda: page.js(ANGLE) == 90 and page.js(STATE) == "holds")
 
 
 def test_what_is_listed_is_what_can_be_played(tmp_path):

@@ -155,16 +155,16 @@ def test_a_box_is_put_into_its_way_and_dragged_and_the_lidar_sees_it(page):
     (x, y), (rx, ry), (tx, ty) = page.js(where, [first["x"], first["y"]], [truth["x"], truth["y"]], list(there))
     canvas = page.browser.find_element("id", "world")
     ActionChains(page.browser, duration=50).move_to_element_with_offset(canvas, x, y).click_and_hold().move_by_offset(rx - x, ry - y).release().perform()
-    assert page.until(lambda: any("there stands the robot" in one["text"] for one in page.js("return told.filter((one) => one.type === 'text')")), 5)
+    assert page.until(lambda: any("there stands the robot" in one["text"] for one in page.js("return told.filter((one) => one.type === 'text')")))
     now = latest(page, "box")
     ((x, y),) = page.js(where, [now["x"], now["y"]])
     ActionChains(page.browser, duration=50).move_to_element_with_offset(canvas, x, y).click_and_hold().move_by_offset(tx - x, ty - y).release().perform()
-    assert page.until(lambda: math.dist((latest(page, "box")["x"], latest(page, "box")["y"]), there) < 40, 5), latest(page, "box")
+    assert page.until(lambda: math.dist((latest(page, "box")["x"], latest(page, "box")["y"]), there) < 40), latest(page, "box")
     seen = "const points = told.findLast((one) => one.type === 'points'); return points.x.some((x, i) => Math.hypot(x - arguments[0], points.y[i] - arguments[1]) < 60)"
     heading = math.radians(latest(page, "truth")["heading"])
     near = 480 - 100  # its side that faces the robot
     right, ahead = near * (dx * math.cos(heading) - dy * math.sin(heading)), near * (dx * math.sin(heading) + dy * math.cos(heading))
-    assert page.until(lambda: page.js(seen, right, ahead), 10)
+    assert page.until(lambda: page.js(seen, right, ahead))
     page.browser.find_element("css selector", "#panel-twin [data-id=box]").click()
     assert page.until(lambda: latest(page, "box")["size"] == 0)
 
@@ -229,11 +229,11 @@ def test_a_wrong_value_is_marked_with_its_range_and_a_change_undone(page):
     assert "91 to 180" in page.js(row) and page.js("return document.getElementById('parameter-drive.cruise').getAttribute('aria-invalid')") == "true"
     page.js(write, 120)
     assert "91 to 180" not in page.js(row).split("default")[-1]
-    assert page.until(lambda: page.js("return told.findLast((one) => one.key === 'drive.cruise')?.value") == 120, 5)
+    assert page.until(lambda: page.js("return told.findLast((one) => one.key === 'drive.cruise')?.value") == 120)
     assert "1 of" in page.text("differ")
     page.click("undo")
-    assert page.until(lambda: page.js("return told.findLast((one) => one.key === 'drive.cruise')?.value") == 108, 5)
-    assert page.until(lambda: "none of" in page.text("differ"), 3)
+    assert page.until(lambda: page.js("return told.findLast((one) => one.key === 'drive.cruise')?.value") == 108)
+    assert page.until(lambda: "none of" in page.text("differ"))
     assert page.js("return document.getElementById('parameter-drive.cruise').value") == "108"
 
 
@@ -246,7 +246,7 @@ def test_the_wheel_that_is_trimmed_is_drawn_turned(page):
         len(wheels) == 10 and wheels[3] == ["rotate(7)", True] and all(turn in (None, "rotate(0)") and not marked for turn, marked in wheels[:3] + wheels[4:])
     )
     page.click("undo")
-    assert page.until(lambda: page.js("return document.querySelectorAll('#trims .wheel')[3].getAttribute('transform')") == "rotate(0)", 5)
+    assert page.until(lambda: page.js("return document.querySelectorAll('#trims .wheel')[3].getAttribute('transform')") == "rotate(0)")
 
 
 @pytest.mark.parametrize(
@@ -271,19 +271,19 @@ def test_the_buttons_of_a_pad_are_shown_and_learned(page):
     page.js(pad)
     page.tab("gamepad")
     uses = "return [...document.querySelectorAll('.use')].map((one) => one.firstChild.textContent)"
-    assert page.until(lambda: page.js(uses) and page.js(uses)[:3] == ["steer: axis 0", "drive: axis 1, reversed", "stop: button 0 or 1"], 5)
+    assert page.until(lambda: page.js(uses) and page.js(uses)[:3] == ["steer: axis 0", "drive: axis 1, reversed", "stop: button 0 or 1"])
     page.click("auto")
     assert page.until(lambda: page.text("state") == "auto")
     time.sleep(0.8)  # the pad is seen at rest
     learn = "document.querySelectorAll('.use')[arguments[0]].querySelector('button').click()"
     page.js(learn, 2)
     page.js("window.pad.buttons[7].pressed = true")
-    assert page.until(lambda: page.js(uses)[2] == "stop: button 7", 5)
+    assert page.until(lambda: page.js(uses)[2] == "stop: button 7")
     assert page.text("state") != "stopped"  # showing it was no command
     page.js("window.pad.buttons[7].pressed = false")
     time.sleep(0.3)
     page.js("window.pad.buttons[7].pressed = true")
-    assert page.until(lambda: page.text("state") == "stopped", 3)
+    assert page.until(lambda: page.text("state") == "stopped")
     page.click("auto")
     assert page.until(lambda: page.text("state") == "auto")
     page.js(learn, 5)
@@ -291,12 +291,12 @@ def test_the_buttons_of_a_pad_are_shown_and_learned(page):
     page.js("window.pad.buttons[7].pressed = false")
     time.sleep(0.2)
     page.js("window.pad.buttons[7].pressed = true")
-    assert page.until(lambda: page.js(uses)[5] == "next mode: button 7", 5)
+    assert page.until(lambda: page.js(uses)[5] == "next mode: button 7")
     assert not page.until(lambda: page.text("state") == "stopped", 0.5)
     page.click("stop")
     page.js(learn, 1)
     page.js("window.pad.axes[2] = -0.9")
-    assert page.until(lambda: page.js(uses)[1] == "drive: axis 2, reversed", 5)
+    assert page.until(lambda: page.js(uses)[1] == "drive: axis 2, reversed")
     page.js("window.pad.axes[2] = 0; navigator.getGamepads = () => []")
     assert "odd pad" in page.js("return localStorage.getItem('gapseeker.pads')")
 
@@ -402,8 +402,8 @@ def test_a_course_is_chosen_by_its_picture_with_what_fails(page):
         "for (const [id, value] of [['size', 700], ['seed', 2], ['fault', 'lidar-frozen'], ['after', 9]]) document.querySelector(`#panel-twin [data-id=${id}]`).value = value"
     )
     page.js("document.querySelector('#panel-twin [data-id=form] button.main').click()")
-    assert page.until(lambda: page.text("address") == "twin:U?scale=2&width=700&seed=2&fault=lidar-frozen%409", 10), page.text("address")
+    assert page.until(lambda: page.text("address") == "twin:U?scale=2&width=700&seed=2&fault=lidar-frozen%409"), page.text("address")
     page.js(
         "document.querySelector('#panel-twin [data-id=size]').value = 20; document.querySelector('#panel-twin [data-id=form]').noValidate = true; document.querySelector('#panel-twin [data-id=form] button.main').click()"
     )
-    assert page.until(lambda: "260 to 3000" in page.js("return document.querySelector('#panel-twin [data-id=trouble]').textContent"), 20)
+    assert page.until(lambda: "260 to 3000" in page.js("return document.querySelector('#panel-twin [data-id=trouble]').textContent"))

@@ -53,7 +53,7 @@ def page(browser, recordings):
 
 def seek(page, at):
     page.js("const one = document.getElementById('position'); one.value = arguments[0]; one.dispatchEvent(new Event('input'))", at)
-    assert page.until(lambda: page.text("clock").startswith(f"0:0{at:.1f}"), 5)
+    assert page.until(lambda: page.text("clock").startswith(f"0:0{at:.1f}"))
     time.sleep(0.3)
     page.frames(2)
 
@@ -77,7 +77,7 @@ def test_all_of_it_is_seen_at_once_and_seeking_leaves_no_stray_lines(page):
 def test_a_click_on_the_charts_goes_there(page):
     page.js("""const one = document.getElementById("charts"), box = one.getBoundingClientRect();
         one.dispatchEvent(new MouseEvent("click", { clientX: box.x + 0.5 * box.width, clientY: box.y + 50, bubbles: true }))""")
-    assert page.until(lambda: page.text("clock").startswith("0:04"), 5), page.text("clock")
+    assert page.until(lambda: page.text("clock").startswith("0:04")), page.text("clock")
 
 
 def test_another_one_is_shown_beside_it(page, recordings):
@@ -85,14 +85,14 @@ def test_another_one_is_shown_beside_it(page, recordings):
     page.tab("record")
     page.click("recordings")
     found = "return [...document.querySelectorAll('#recorded li')].find((one) => one.textContent.includes(arguments[0]))"
-    assert page.until(lambda: page.js(found, recordings[1]), 10)
+    assert page.until(lambda: page.js(found, recordings[1]))
     page.js(found.replace("return ", "").rstrip() + ".lastChild.click()", recordings[1])
-    assert page.until(lambda: page.text("beside-name") == recordings[1], 5)
+    assert page.until(lambda: page.text("beside-name") == recordings[1])
     page.frames(2)
     assert page.js(COLOURED, "world", "other") > 30 and page.js(COLOURED, "charts", "other") > 50
     page.keep_screenshot("monitor-beside.png")
     page.click("beside-none")
-    assert page.until(lambda: not page.browser.find_element("id", "beside").is_displayed(), 5)
+    assert page.until(lambda: not page.browser.find_element("id", "beside").is_displayed())
     page.frames(2)
     assert page.js(COLOURED, "world", "other") == 0
 
@@ -104,11 +104,11 @@ def test_it_is_driven_again_with_other_settings(page):
         field.clear()
         field.send_keys(text)
         page.js("document.querySelector('#again-with button').click()")
-        assert page.until(lambda says=says: says in page.text("again-note"), 15), page.text("again-note")
+        assert page.until(lambda says=says: says in page.text("again-note")), page.text("again-note")
     field.clear()
     field.send_keys("avoid.margin=30")
     page.js("document.querySelector('#again-with button').click()")
-    assert page.until(lambda: "differ, the first at" in page.text("beside-name"), 30), page.text("again-note")
+    assert page.until(lambda: "differ, the first at" in page.text("beside-name")), page.text("again-note")
     assert page.text("beside-name").startswith("avoid.margin 30: ")
     page.frames(2)
     assert page.js(COLOURED, "charts", "other") > 50
@@ -123,7 +123,7 @@ def test_a_recording_with_raw_scans_has_them(monitor):
     page.click("record")
     time.sleep(2.5)
     page.click("record")
-    assert page.until(lambda: page.text("saved").endswith(".rec"), 5)
+    assert page.until(lambda: page.text("saved").endswith(".rec"))
     path = ROOT / page.text("saved")
     try:
         reader, told = frames.FrameReader(), []
@@ -144,12 +144,12 @@ def test_a_run_of_the_twin_that_is_recorded_from_its_start_can_be_driven_again(m
         "document.querySelector('#panel-twin [data-id=size]').value = 700; document.querySelector('#panel-twin [data-id=record]').click(); document.querySelector('#panel-twin [data-id=form] button.main').click()"
     )
     page.tab("record")
-    assert page.until(lambda: page.text("saved").endswith("-twin.rec"), 40)
+    assert page.until(lambda: page.text("saved").endswith("-twin.rec"))
     path = page.text("saved")
     try:
         page.click("saved")
-        assert page.until(lambda: page.browser.find_element("id", "again-with").is_displayed(), 10)
+        assert page.until(lambda: page.browser.find_element("id", "again-with").is_displayed())
         page.js("document.querySelector('#again-with button').click()")
-        assert page.until(lambda: "decisions compared: all the same" in page.text("beside-name"), 40), page.text("again-note")
+        assert page.until(lambda: "decisions compared: all the same" in page.text("beside-name")), page.text("again-note")
     finally:
         (ROOT / path).unlink()

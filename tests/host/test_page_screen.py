@@ -31,7 +31,7 @@ def page(browser):
     page.close()
 
 
-def wait(what, limit_s=20):
+def wait(what, limit_s=60):
     end = time.monotonic() + limit_s
     while not (found := what()):
         assert time.monotonic() < end, "waited in vain"
